@@ -1,5 +1,6 @@
 #include "filter/align/pair_aligner.h"
 
+#include <algorithm>
 #include <optional>
 #include <span>
 #include <utility>
@@ -9,6 +10,7 @@
 #include "filter/align/split_plan.h"
 #include "filter/input/frame_check.h"
 #include "filter/input/host_images.h"
+#include "filter/tiles/host_planes.h"
 #include "filter/tiles/pixel_view.h"
 
 namespace becalm::filter {
@@ -92,13 +94,13 @@ struct PairAligner::State {
 
   void check(const Frame& target, const Frame& source) const;
   void find_coarse_offsets(const MatchedPair& pair, FrameReport& report);
-  /// Makes the coarse features of one tile of a frame, and copies them into an input of the coarse chain.
-  void find_coarse_features(const MatchedFrame& frame, const Tile& tile, float exposure, ImageId coarse_input,
-                            FrameReport& report);
+  /// Makes the coarse features of a frame, tile by tile.
+  HostPlanes find_coarse_features(const MatchedFrame& frame, float exposure, FrameReport& report);
   void search_tile(const Tile& tile, const MatchedPair& pair, PairAlignment& result, FrameReport& report);
 
   FilterTask task;
   SplitPlan<Chains> plan;
+  Image coarse_offset;  ///< of the pair at work; empty without a coarse chain
 };
 
 PairAligner::State::State(gpu::Device& device, const Settings& settings, Extent full, const AovSet& available,
@@ -127,32 +129,36 @@ void PairAligner::State::check(const Frame& target, const Frame& source) const {
   }
 }
 
-void PairAligner::State::find_coarse_features(const MatchedFrame& frame, const Tile& tile, float exposure,
-                                              ImageId coarse_input, FrameReport& report) {
+HostPlanes PairAligner::State::find_coarse_features(const MatchedFrame& frame, float exposure,
+                                                    FrameReport& report) {
   FeatureChain& features = *plan.chains->features;
-  features.chain.upload<float>(features.exposure)[0] = exposure;
-  frame.upload(features.chain, task.guides, features, tile.target);
-  features.chain.run();
-  add_times(report, features.chain);
   const std::size_t level = plan.chains->split.coarse;
   const int px = level_px(task.settings, level);
   const auto extent_of = [&](Extent full) {
     return level_extent(task.settings, full, level).with_planes(features.coarse->planes);
   };
-  const Rect core = at_level(tile.core, px);
-  copy_rect({features.chain.download<float>(features.coarse->image), extent_of(tile.target.extent())},
-            within(core, at_level(tile.target, px)),
-            {plan.chains->coarse->chain.upload<float>(coarse_input), extent_of(task.full)}, core.x, core.y);
+  HostPlanes found(extent_of(task.full));
+  for (const Tile& tile : plan.feature_tiles) {
+    features.chain.upload<float>(features.exposure)[0] = exposure;
+    frame.upload(features.chain, task.guides, features, tile.target);
+    features.chain.run();
+    add_times(report, features.chain);
+    const Rect core = at_level(tile.core, px);
+    copy_rect({features.chain.download<float>(features.coarse->image), extent_of(tile.target.extent())},
+              within(core, at_level(tile.target, px)), found.view(), core.x, core.y);
+  }
+  return found;
 }
 
 void PairAligner::State::find_coarse_offsets(const MatchedPair& pair, FrameReport& report) {
+  const HostPlanes target = find_coarse_features(pair.target, pair.exposure, report);
+  const HostPlanes source = find_coarse_features(pair.source, pair.exposure, report);
   CoarseChain& coarse = *plan.chains->coarse;
-  for (const Tile& tile : plan.feature_tiles) {
-    find_coarse_features(pair.target, tile, pair.exposure, coarse.target.image, report);
-    find_coarse_features(pair.source, tile, pair.exposure, coarse.source.image, report);
-  }
+  std::ranges::copy(target.values, coarse.chain.upload<float>(coarse.target.image).begin());
+  std::ranges::copy(source.values, coarse.chain.upload<float>(coarse.source.image).begin());
   coarse.chain.run();
   add_times(report, coarse.chain);
+  coarse_offset = download_offset(coarse, task, plan.chains->split);
 }
 
 void PairAligner::State::search_tile(const Tile& tile, const MatchedPair& pair, PairAlignment& result,
@@ -164,7 +170,7 @@ void PairAligner::State::search_tile(const Tile& tile, const MatchedPair& pair, 
   pair.target.upload(chain, task.guides, search.target, tile.target);
   pair.source.upload(chain, task.guides, search.source, tile.source);
   if (search.start) {
-    upload_start(chain, *search.start, *plan.chains->coarse, task, plan.chains->split, tile.target);
+    upload_start(chain, *search.start, coarse_offset, task, plan.chains->split, tile.target);
   }
   chain.run();
   add_times(report, chain);

@@ -99,12 +99,13 @@ int start_limit_px(const FilterTask& task, const PyramidSplit& split) {
   return offset_limit_px(task.settings, {split.coarse, split.levels}, 0, coarse_motion_limit_px(task, split));
 }
 
-void upload_start(gpu::Chain& chain, gpu::ImageId start, const CoarseChain& coarse, const FilterTask& task,
+Image download_offset(const CoarseChain& coarse, const FilterTask& task, const PyramidSplit& split) {
+  return download(coarse.chain, coarse.offset, level_extent(task.settings, task.full, split.coarse), 2);
+}
+
+void upload_start(gpu::Chain& chain, gpu::ImageId start, const Image& coarse_offset, const FilterTask& task,
                   const PyramidSplit& split, const Rect& target) {
-  upload(
-      chain, start,
-      {coarse.chain.download<float>(coarse.offset), level_extent(task.settings, task.full, split.coarse), 2},
-      at_level(target, level_px(task.settings, split.coarse)));
+  upload(chain, start, view(coarse_offset), at_level(target, level_px(task.settings, split.coarse)));
 }
 
 Rect at_level(const Rect& rect, int px) {

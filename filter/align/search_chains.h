@@ -11,6 +11,7 @@
 #include "filter/gpu/chain.h"
 #include "filter/task.h"
 #include "filter/tiles/tiles.h"
+#include "frame/image.h"
 
 namespace becalm::filter {
 
@@ -76,8 +77,11 @@ bool coarse_takes_motion(const FilterTask& task, const PyramidSplit& split);
 /// Largest component of the offsets at which the tiles' search starts, in full-resolution pixels.
 int start_limit_px(const FilterTask& task, const PyramidSplit& split);
 
-/// Uploads the coarse chain's offsets, from which the search in a tile starts.
-void upload_start(gpu::Chain& chain, gpu::ImageId start, const CoarseChain& coarse, const FilterTask& task,
+/// The offsets that the coarse chain's last run found.
+Image download_offset(const CoarseChain& coarse, const FilterTask& task, const PyramidSplit& split);
+
+/// Uploads the coarse chain's offsets of the whole frame, from which the search in a tile starts.
+void upload_start(gpu::Chain& chain, gpu::ImageId start, const Image& coarse_offset, const FilterTask& task,
                   const PyramidSplit& split, const Rect& target);
 
 /// A rectangle in pixels of a level. `px` is the side of such a pixel; `rect` begins at multiples of it.

@@ -357,6 +357,9 @@ Frame AntialiasFilter::State::forward(const Step& step, const Frame& frame,
   Estimate made(full, 0);
   made.color = download(passes->chain, passes->color.next, full, 4);
   made.stats = download(passes->chain, passes->stats.next, full, 2);
+  const Image decided = download(passes->chain, passes->decision, full, 4);
+  Frame result(frame.number(), full.width, full.height);
+  add_diagnostics(decided.data(), result);
   if (const auto prediction = predictions.find(step.frame); prediction != predictions.end()) {
     const float ratio = scale / prediction->second.scale;
     // Beyond it the frames after this one are so bright that they tell nothing of it.
@@ -367,7 +370,6 @@ Frame AntialiasFilter::State::forward(const Step& step, const Frame& frame,
     }
     predictions.erase(prediction);
   }
-  Frame result(frame.number(), full.width, full.height);
   const float back = 1.0f / scale;
   const NearestSample nearest{.scale = task.settings.scale, .window = window};
   for (int y = 0; y < full.height; ++y) {
@@ -387,10 +389,8 @@ Frame AntialiasFilter::State::forward(const Step& step, const Frame& frame,
     const std::span<float> layer = result.add(Aov::sample_count).data();
     for (std::size_t i = 0; i < layer.size(); ++i) layer[i] = made.stats.data()[2 * i + 1];
   }
-  const std::span<const float> decided = passes->chain.download<float>(passes->decision);
-  report.mean_rejected = mean_of(decided, 4, 0);
+  report.mean_rejected = mean_of(decided.data(), 4, 0);
   report.mean_sample_count = mean_of(made.stats.data(), 2, 1);
-  add_diagnostics(decided, result);
   return result;
 }
 

@@ -218,6 +218,10 @@ std::span<std::byte> Chain::upload_bytes(ImageId image) {
   if (declared.role != Role::input) throw DeviceError(where + "it is not an input");
   if (!s.is_built) throw DeviceError(where + "the chain is not built yet");
   const auto index = static_cast<std::size_t>(image.index);
+  if (!declared.is_table) {
+    s.take_scratch();
+    s.holds_outputs = false;
+  }
   s.is_filled[index] = true;
   if (s.is_in_place()) return {s.buffers[index].mapped, declared.bytes()};
   return {s.staging[index].mapped, s.staging[index].bytes};
@@ -229,6 +233,8 @@ std::span<const std::byte> Chain::download_bytes(ImageId image) const {
   const std::string where = s.label() + ": download of '" + declared.name + "': ";
   if (!declared.is_output) throw DeviceError(where + "it is not an output");
   if (!s.has_run) throw DeviceError(where + "the chain has not run yet");
+  if (!s.holds_outputs || s.device.scratch.user != &s)
+    throw DeviceError(where + "this or another chain has been uploaded to, or run, since the chain ran");
   // A history's images swap after the run.
   if (s.is_in_place()) return {s.buffer(image.index, s.last_parity).mapped, declared.bytes()};
   const HostBuffer& host = s.staging[static_cast<std::size_t>(image.index)];
@@ -268,13 +274,13 @@ void Chain::Impl::run_segments() {
 void Chain::run() {
   Impl& s = *impl_;
   if (!s.is_built) throw DeviceError(s.label() + ": cannot run before it is built");
+  s.take_scratch();
   for (std::size_t i = 0; i < s.images.size(); ++i) {
-    if (s.images[i].role == Role::input && !s.is_filled[i]) {
-      throw DeviceError(s.label() + ": input '" + s.images[i].name + "' was never uploaded");
-    }
+    if (s.images[i].role == Role::input && !s.is_filled[i])
+      throw DeviceError(s.label() + ": input '" + s.images[i].name + "' was not uploaded for this run");
   }
+  s.forget_inputs();
   try {
-    guarded(s.label(), [&] { s.bind_scratch(); });
     s.run_segments();
   } catch (const vk::DeviceLostError&) {
     throw DeviceError(s.label() + ": device '" + s.device.info.name + "' was lost while it ran");
@@ -284,6 +290,7 @@ void Chain::run() {
   s.device.check_validation(s.label());
   s.needs_reset = false;
   s.has_run = true;
+  s.holds_outputs = true;
   s.last_parity = s.parity;
   if (s.has_history) s.parity = 1 - s.parity;
 }

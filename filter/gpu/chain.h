@@ -33,7 +33,7 @@ struct History {
 /// Device memory that chains hold together. Chains of a device run in turn, so they share what only a run
 /// needs.
 struct DeviceBytes {
-  std::uint64_t own = 0;                    ///< of images that are kept between runs
+  std::uint64_t own = 0;                    ///< of images that keep their values between runs
   std::vector<std::uint64_t> scratch = {};  ///< by arena: the most that one of the chains needs in a run
 
   std::uint64_t total() const { return std::accumulate(scratch.begin(), scratch.end(), own); }
@@ -48,7 +48,7 @@ struct DeviceBytes {
 
 /// Where the host writes inputs and reads outputs.
 enum class Transfers {
-  in_place,  ///< where kernels read and write them, if the device is a processor; else as `staged`
+  in_place,  ///< in the memory of kernels, if the device is a processor; else as `staged`
   staged,    ///< in staging memory, from which and to which runs copy; asked for by tests alone
 };
 
@@ -82,7 +82,7 @@ struct DeclaredPass {
 ///     chain.output(half);
 ///     chain.build();
 ///
-/// Chains of a device must not run at the same time: they share memory.
+/// Chains of a device share memory and are used in turn: uploads, a run, downloads.
 ///
 /// Barriers, lifetimes, memory aliasing, debug labels and timestamps are derived from the declarations.
 /// `plan`, which `build` calls, checks them: each binding of a kernel is named exactly once, and no other;
@@ -197,16 +197,18 @@ class Chain {
   /// Plans, unless that has been done, allocates memory and creates the objects that runs need.
   void build();
 
-  /// Host memory of an input, which keeps its values between runs. Valid as long as the chain.
+  /// Host memory of an input. Until the run, no other chain of the device may be built, uploaded to, or run,
+  /// tables apart: a table keeps its values.
   template <class T>
   std::span<T> upload(ImageId image) {
     auto bytes = upload_bytes(image);
     return {reinterpret_cast<T*>(bytes.data()), bytes.size() / sizeof(T)};
   }
-  /// Runs all passes once and waits. History images swap afterwards. Throws DeviceError if an input was never
-  /// uploaded, if the device is lost, and for validation messages.
+  /// Runs all passes once and waits. History images swap afterwards. Throws DeviceError if an input was not
+  /// uploaded for this run, if the device is lost, and for validation messages.
   void run();
-  /// An output's pixels; the chain's next run overwrites them.
+  /// An output's pixels, until a chain of the device is uploaded to, tables apart, or run. Throws DeviceError
+  /// after that.
   template <class T>
   std::span<const T> download(ImageId image) const {
     auto bytes = download_bytes(image);
@@ -229,7 +231,7 @@ class Chain {
   /// without staging_bytes).
   DeviceBytes device_bytes() const;
   std::uint64_t device_bytes_unaliased() const;
-  /// Host memory of inputs and outputs: staging memory, or the images themselves if they are used in place.
+  /// Host memory of inputs and outputs; 0 if they are used in place.
   std::uint64_t staging_bytes() const;
 
  private:

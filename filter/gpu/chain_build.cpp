@@ -117,6 +117,11 @@ std::vector<std::optional<Lifetime>> Chain::Impl::lifetimes() const {
     }
     for (const Use& use : passes[static_cast<std::size_t>(index)].uses) touch(use.image, step);
   }
+  if (!is_in_place() || steps.empty()) return result;
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    if (images[i].role == Role::input) result[i] = {.first = 0, .last = result[i] ? result[i]->last : 0};
+    if (images[i].is_output) touch(static_cast<int>(i), static_cast<int>(steps.size()) - 1);
+  }
   return result;
 }
 
@@ -129,12 +134,9 @@ void Chain::Impl::plan_memory() {
   std::uint32_t types = ~0u;
   std::uint64_t alignment = 1;
   for (std::size_t i = 0; i < images.size(); ++i) {
-    const bool is_hosts = is_hosted(images[i]);
-    if (is_hosts || (!is_in_place() && (images[i].role == Role::input || images[i].is_output))) {
+    if (!is_in_place() && (images[i].role == Role::input || images[i].is_output))
       staging_bytes += images[i].bytes();
-    }
-    const bool is_kept = is_hosts || images[i].is_history();
-    if (!lived[i] && !is_kept) continue;
+    if (!lived[i] && !is_kept(images[i])) continue;
     const vk::BufferCreateInfo create = buffer_of(images[i]);
     const vk::MemoryRequirements needs =
         device.device.getBufferMemoryRequirements(vk::DeviceBufferMemoryRequirements(&create))
@@ -142,9 +144,9 @@ void Chain::Impl::plan_memory() {
     types &= needs.memoryTypeBits;
     alignment = std::max<std::uint64_t>(alignment, needs.alignment);  // powers of two
     buffers[i].bytes = needs.size;
-    if (is_kept) {
+    if (is_kept(images[i])) {
       kept.push_back(i);
-      if (!is_hosts) bytes.own += needs.size;
+      bytes.own += needs.size;
       continue;
     }
     requests.push_back({needs.size, lived[i]->first, lived[i]->last});
@@ -182,7 +184,7 @@ void Chain::Impl::plan_memory() {
 void Chain::Impl::allocate() {
   std::vector<std::byte*> mapped(own_bytes.size());
   guarded(
-      label() + ": " + format_mib(bytes.total() + (is_in_place() ? staging_bytes : 0)) + " of device memory",
+      label() + ": " + format_mib(bytes.total()) + " of device memory",
       [&] {
         reservation = device.scratch.reserve(device.device, memory_type, is_mapped(), scratch_bytes);
         for (std::size_t i = 0; i < own_bytes.size(); ++i) {
@@ -225,6 +227,21 @@ void Chain::Impl::bind_scratch() {
   create_descriptor_sets();
   record_all();
   scratch_version = present.version;  // last: what threw before is done again by the next run
+}
+
+void Chain::Impl::take_scratch() {
+  const std::uint64_t held = scratch_version;
+  guarded(label(), [&] { bind_scratch(); });
+  if (device.scratch.user == this && scratch_version == held) return;
+  device.scratch.user = this;
+  forget_inputs();
+  holds_outputs = false;
+}
+
+void Chain::Impl::forget_inputs() {
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    if (!images[i].is_table) is_filled[i] = false;
+  }
 }
 
 void Chain::Impl::create_staging() {

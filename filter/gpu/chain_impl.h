@@ -166,6 +166,10 @@ struct Chain::Impl {
   void bind_image(std::size_t image, const vk::raii::DeviceMemory& memory, std::byte* mapped);
   /// Records what depends on the device's scratch memory, unless that is done for the present one.
   void bind_scratch();
+  /// Takes the device's scratch memory for the inputs and outputs of this chain.
+  void take_scratch();
+  /// Inputs but for tables must be uploaded again.
+  void forget_inputs();
   void create_staging();
   void create_pipelines();
   void create_nothing();
@@ -184,9 +188,9 @@ struct Chain::Impl {
   /// Whether the host uses inputs and outputs where they lie on the device.
   bool is_in_place() const { return device.info.is_processor && options.transfers == Transfers::in_place; }
   bool is_mapped() const { return has_host_passes || is_in_place(); }
-  /// Whether the image has memory of its own, which counts as the host's and not as the device's.
-  bool is_hosted(const ImageDeclaration& declared) const {
-    return is_in_place() && !declared.is_history() && (declared.role == Role::input || declared.is_output);
+  /// Whether the image has memory of its own, since it keeps its values between runs.
+  bool is_kept(const ImageDeclaration& declared) const {
+    return declared.is_history() || (is_in_place() && declared.is_table);
   }
 
   bool is_scratch(const DeviceBuffer& planned) const {
@@ -212,14 +216,14 @@ struct Chain::Impl {
   std::vector<Step> steps;
   // Arenas are numbered: those of the device's scratch memory, then those of the chain alone.
   std::vector<std::uint64_t> scratch_bytes;
-  std::vector<std::uint64_t> own_bytes;  // of each history image and each image of the host's
+  std::vector<std::uint64_t> own_bytes;  // of each image that is kept
   std::uint32_t memory_type = 0;
   std::shared_ptr<const Scratch::Sizes> reservation;  // of the scratch memory; null before `build`
   std::uint64_t scratch_version = 0;                  // of what is recorded; 0 before the first run
   std::vector<vk::raii::DeviceMemory> own;
   std::vector<DeviceBuffer> buffers;  // one per image
   std::vector<HostBuffer> staging;    // one per image; null except for staged inputs and outputs
-  std::vector<bool> is_filled;        // one per image: the host has requested its upload memory
+  std::vector<bool> is_filled;        // one per image: it was uploaded, since the last run unless a table
   DeviceBytes bytes;
   std::uint64_t device_bytes_unaliased = 0;
   std::uint64_t staging_bytes = 0;
@@ -239,6 +243,7 @@ struct Chain::Impl {
   int last_parity = 0;  // of the last run
   bool needs_reset = true;
   bool has_run = false;
+  bool holds_outputs = false;  // of the last run
   std::vector<PassTime> times;
 };
 

@@ -34,6 +34,9 @@ class Scratch {
   /// Those of the memory type, for what is reserved now.
   const Arenas& arenas(const vk::raii::Device& device, std::uint32_t memory_type, bool is_mapped);
 
+  /// Whose inputs and outputs the memory holds, by address: the chain that was last uploaded to or run.
+  const void* user = nullptr;
+
  private:
   struct Pool {
     std::vector<std::weak_ptr<const Sizes>> reservations;

@@ -10,6 +10,7 @@
 #include "filter/input/host_images.h"
 #include "filter/merge/carried_images.h"
 #include "filter/merge/merge_chains.h"
+#include "filter/tiles/host_planes.h"
 #include "shaders/shared/limits.h"
 
 namespace becalm::filter {
@@ -101,25 +102,10 @@ struct FrameMerger::Chains {
 };
 
 struct FrameMerger::Host {
-  /// Images of a whole frame at one level of the pyramid, on the host.
-  struct Planes {
-    Planes() = default;
-    explicit Planes(Extent size) : extent(size), values(size.elements()) {}
-    PixelView<float> view() { return {values, extent}; }
-    PixelView<const float> view() const { return {values, extent}; }
-    PixelView<const float> first_planes(int planes) const {
-      const Extent part = extent.with_planes(planes);
-      return {std::span(values).first(part.elements()), part};
-    }
-
-    Extent extent;
-    std::vector<float> values;
-  };
-
   /// Features of a whole frame.
   struct Matched {
-    Planes finest;  ///< level 0
-    Planes coarse;  ///< level `coarse` of the split
+    HostPlanes finest;  ///< level 0
+    HostPlanes coarse;  ///< level `coarse` of the split
   };
 
   Host(const FilterTask& task, const Chains& chains)
@@ -127,9 +113,9 @@ struct FrameMerger::Host {
     forget_history();
     const int planes = chains.new_frame->finest.planes;
     for (Matched* made : {&history_features, &features}) {
-      made->finest = Planes(level_extent(task.settings, task.full, 0).with_planes(planes));
+      made->finest = HostPlanes(level_extent(task.settings, task.full, 0).with_planes(planes));
       if (!chains.split.has_coarse()) continue;
-      made->coarse = Planes(level_extent(task.settings, task.full, chains.split.coarse).with_planes(planes));
+      made->coarse = HostPlanes(level_extent(task.settings, task.full, chains.split.coarse).with_planes(planes));
     }
   }
 
@@ -146,6 +132,7 @@ struct FrameMerger::Host {
   Estimate next;             ///< the next frame's history, filled tile by tile
   Matched history_features;  ///< its guide planes are the previous frame's
   Matched features;          ///< of the new frame
+  Image coarse_offset;       ///< of the new frame, by the coarse chain; empty without one
 };
 
 FrameMerger::FrameMerger(gpu::Device& device, FilterTask task, std::uint64_t memory_limit)
@@ -184,7 +171,7 @@ void FrameMerger::upload_guide(const NewFrame& frame, const Rect& rect, std::spa
 
 void FrameMerger::find_features(const Tile& tile, const NewFrame& frame, FrameReport& report) {
   const auto keep = [&](const FeatureChain& from, Host::Matched& to) {
-    const auto keep_level = [&](const Features& features, std::size_t level, Host::Planes& planes) {
+    const auto keep_level = [&](const Features& features, std::size_t level, HostPlanes& planes) {
       const int px = level_px(task_.settings, level);
       const Extent extent = level_extent(task_.settings, tile.target.extent(), level);
       const Rect core = at_level(tile.core, px);
@@ -231,6 +218,7 @@ void FrameMerger::find_coarse_offsets(const NewFrame& frame, FrameReport& report
                     coarse.chain.upload<float>(coarse.source.image).begin());
   coarse.chain.run();
   add_times(report, coarse.chain);
+  host_->coarse_offset = download_offset(coarse, task_, chains_->split);
 }
 
 void FrameMerger::upload_cut(const Tile& tile) {
@@ -243,7 +231,7 @@ void FrameMerger::upload_cut(const Tile& tile) {
          at_level(tile.target, finest_px));
   upload(chain, cut.source.image, std::as_const(host_->history_features.finest).view(),
          at_level(tile.source, finest_px));
-  if (cut.start) upload_start(chain, *cut.start, *chains_->coarse, task_, chains_->split, tile.target);
+  if (cut.start) upload_start(chain, *cut.start, host_->coarse_offset, task_, chains_->split, tile.target);
   upload(chain, merge.color.previous, view(std::as_const(host_->history.color)), tile.source);
   upload(chain, merge.stats.previous, view(std::as_const(host_->history.stats)), tile.source);
   for (std::size_t i = 0; i < merge.carried.size(); ++i) {

@@ -153,14 +153,14 @@ std::array<std::vector<float>, 2> align_features(gpu::Device& device, const Sett
   const Alignment alignment = add_align_passes(chain, settings, full, {target, 1}, {source, 1});
   chain.output(alignment.offset);
   chain.build();
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
-      chain.upload<float>(target)[y * kWidth + x] = static_cast<float>(16 * target_value(x, y));
-      chain.upload<float>(source)[y * kWidth + x] = static_cast<float>(16 * source_value(x, y));
-    }
-  }
   std::array<std::vector<float>, 2> offsets;
   for (auto& run : offsets) {
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) {
+        chain.upload<float>(target)[y * kWidth + x] = static_cast<float>(16 * target_value(x, y));
+        chain.upload<float>(source)[y * kWidth + x] = static_cast<float>(16 * source_value(x, y));
+      }
+    }
     chain.run();
     const auto offset = chain.download<float>(alignment.offset);
     run.assign(offset.begin(), offset.end());

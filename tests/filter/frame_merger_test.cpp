@@ -229,7 +229,7 @@ TEST_F(FrameMergerTest, ShowsNoSeamsUnderOtherSettings) {
     SCOPED_TRACE(assignments.front());
     Settings settings = forward("final");
     for (const char* assignment : assignments) set(settings, assignment);
-    expect_no_seams(settings, scene, 0.18, 2, 2);
+    expect_no_seams(settings, scene, 0.2, 2, 2);
   }
 }
 
@@ -296,8 +296,8 @@ TEST_F(FrameMergerTest, SeesTheWholeHistoryOnlyWhereKnownMotionIsTheOffset) {
   const Scene scene{.width = 4096, .height = 64, .motion = true};
   Settings settings = forward("final");
   set(settings, "motion=none");
-  // On hardware the device holds inputs and outputs as well, and a tile needs a larger share.
-  const std::uint64_t parts = device().info().is_processor ? 10 : 7;
+  // In place, a tile's inputs and outputs take memory at once, and a larger share of the uncut frame's.
+  const std::uint64_t parts = device().info().is_processor ? 5 : 7;
   const std::uint64_t limit = make(settings, scene, kUnlimited).memory().device.total() / parts;
   const auto reach_px = [&](const char* motion) {
     set(settings, motion);

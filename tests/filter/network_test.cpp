@@ -91,9 +91,7 @@ Grid<Estimate> smooth_on(gpu::Device& device, const Sample& sample, const Networ
   chain.output(smoothed.color);
   chain.output(smoothed.stats);
   chain.build();
-  network.upload_weights(chain, before ? *before : weights);
   chain.upload<float>(noisy.exposure)[0] = sample.exposure;
-  upload_estimate(chain, noisy.color, noisy.variance, sample.pixels);
   const auto upload_features = [&](const Grid<reference::SmoothFeatures>& features,
                                    const SurfaceImages& images) {
     for (std::size_t i = 0; i < features.data.size(); ++i) {
@@ -102,19 +100,21 @@ Grid<Estimate> smooth_on(gpu::Device& device, const Sample& sample, const Networ
       std::copy_n(f.begin() + 4, 3, chain.upload<float>(images.normal).begin() + 4 * i);
     }
   };
-  upload_features(sample.features, *noisy.features);
-  upload_features(sample.own, *noisy.own_features);
-  for (std::size_t i = 0; i < sample.own_pixels.data.size(); ++i) {
-    for (int c = 0; c < 4; ++c) {
-      chain.upload<float>(noisy.own_color)[4 * i + c] =
-          static_cast<float>(sample.own_pixels.data[i].color[c]);
+  const auto run_with = [&](const NetworkWeights& used) {
+    network.upload_weights(chain, used);
+    upload_estimate(chain, noisy.color, noisy.variance, sample.pixels);
+    upload_features(sample.features, *noisy.features);
+    upload_features(sample.own, *noisy.own_features);
+    for (std::size_t i = 0; i < sample.own_pixels.data.size(); ++i) {
+      for (int c = 0; c < 4; ++c) {
+        chain.upload<float>(noisy.own_color)[4 * i + c] =
+            static_cast<float>(sample.own_pixels.data[i].color[c]);
+      }
     }
-  }
-  chain.run();
-  if (before) {
-    network.upload_weights(chain, weights);
     chain.run();
-  }
+  };
+  if (before) run_with(*before);
+  run_with(weights);
   return download_estimate(chain, smoothed.color, smoothed.stats, extent);
 }
 

@@ -32,10 +32,14 @@ class PlaneJob : public AlignJob {
   }
 
   void load(const Layers& target, const Layers& source) override {
-    upload(target, target_);
-    upload(source, source_);
+    target_plane_ = plane_of(target);
+    source_plane_ = plane_of(source);
   }
-  void run() override { chain_.run(); }
+  void run() override {
+    std::ranges::copy(target_plane_.data(), chain_.upload<float>(target_).begin());
+    std::ranges::copy(source_plane_.data(), chain_.upload<float>(source_).begin());
+    chain_.run();
+  }
 
   std::vector<gpu::PassTime> passes() const override { return chain_.times(); }
   Image offset() const override { return filter::download(chain_, offset_, full_, 2); }
@@ -51,17 +55,19 @@ class PlaneJob : public AlignJob {
     return {features, 1};
   }
 
-  void upload(const Layers& layers, ImageId plane) {
+  static Image plane_of(const Layers& layers) {
     const auto layer = layers.find("plane");
     if (layer == layers.end() || layer->second.channels() != 1) {
       throw Error(ExitStatus::bad_input, "expected a layer 'plane' of one channel");
     }
-    std::ranges::copy(layer->second.data(), chain_.upload<float>(plane).begin());
+    return layer->second;
   }
 
   Extent full_;
   Extent matching_;
   gpu::Chain chain_;
+  Image target_plane_;
+  Image source_plane_;
   ImageId target_;
   ImageId source_;
   ImageId offset_;

@@ -34,10 +34,10 @@ class WarpJob {
         filter::add_warp_passes(chain_, settings, full, {.color = color_, .stats = stats_}, offset_).color;
     chain_.output(warped_);
     chain_.build();
-    std::ranges::fill(chain_.upload<float>(stats_), 1.0f);
   }
 
   void warp(float dx, float dy, const std::string& from, const std::string& to) {
+    std::ranges::fill(chain_.upload<float>(stats_), 1.0f);
     const auto offsets = chain_.upload<float>(offset_);
     for (std::size_t i = 0; i < offsets.size(); i += 2) {
       offsets[i] = dx;
