@@ -183,15 +183,13 @@ void Chain::Impl::plan_memory() {
 
 void Chain::Impl::allocate() {
   std::vector<std::byte*> mapped(own_bytes.size());
-  guarded(
-      label() + ": " + format_mib(bytes.total()) + " of device memory",
-      [&] {
-        reservation = device.scratch.reserve(device.device, memory_type, is_mapped(), scratch_bytes);
-        for (std::size_t i = 0; i < own_bytes.size(); ++i) {
-          own.emplace_back(device.device, vk::MemoryAllocateInfo(own_bytes[i], memory_type));
-          if (is_mapped()) mapped[i] = static_cast<std::byte*>(own[i].mapMemory(0, VK_WHOLE_SIZE));
-        }
-      });
+  guarded(label() + ": " + format_mib(bytes.total()) + " of device memory", [&] {
+    reservation = device.scratch.reserve(device.device, memory_type, is_mapped(), scratch_bytes);
+    for (std::size_t i = 0; i < own_bytes.size(); ++i) {
+      own.emplace_back(device.device, vk::MemoryAllocateInfo(own_bytes[i], memory_type));
+      if (is_mapped()) mapped[i] = static_cast<std::byte*>(own[i].mapMemory(0, VK_WHOLE_SIZE));
+    }
+  });
   for (std::size_t i = 0; i < images.size(); ++i) {
     if (buffers[i].bytes == 0 || is_scratch(buffers[i])) continue;
     const std::size_t arena = static_cast<std::size_t>(buffers[i].arena) - scratch_bytes.size();

@@ -115,7 +115,8 @@ struct FrameMerger::Host {
     for (Matched* made : {&history_features, &features}) {
       made->finest = HostPlanes(level_extent(task.settings, task.full, 0).with_planes(planes));
       if (!chains.split.has_coarse()) continue;
-      made->coarse = HostPlanes(level_extent(task.settings, task.full, chains.split.coarse).with_planes(planes));
+      made->coarse =
+          HostPlanes(level_extent(task.settings, task.full, chains.split.coarse).with_planes(planes));
     }
   }
 

@@ -272,7 +272,7 @@ class Check {
   DeclaredPass declared_;
   Chain single_;
   std::vector<Layout> written_;
-  std::vector<Layout> layouts_;  ///< of the reads
+  std::vector<Layout> layouts_;               ///< of the reads
   std::map<int, std::vector<float>> inputs_;  ///< by image
   std::vector<std::vector<float>> before_;
   int origin_ = 0;                   ///< of the target in the images that are gathered from

@@ -281,7 +281,8 @@ TEST_F(ChainErrors, ComeForUseOutOfOrder) {
             "chain 'wrong': upload of 'scaled': it is not an input");
   EXPECT_EQ(device_error_of([&] { static_cast<void>(chain_.download<float>(scaled_)); }),
             "chain 'wrong': download of 'scaled': the chain has not run yet");
-  EXPECT_EQ(device_error_of([&] { chain_.run(); }), "chain 'wrong': input 'fine' was not uploaded for this run");
+  EXPECT_EQ(device_error_of([&] { chain_.run(); }),
+            "chain 'wrong': input 'fine' was not uploaded for this run");
   EXPECT_THAT(device_error_of([&] { chain_.pass("kernels/scale"); }), HasSubstr("is built already"));
   EXPECT_THAT(device_error_of([&] { chain_.build(); }), HasSubstr("is built already"));
 }

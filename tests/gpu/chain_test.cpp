@@ -329,7 +329,8 @@ TEST_F(ChainTest, UsesInputsAndOutputsInPlaceOnAProcessor) {
   const ImageId last = add_six_passes(chain, input, extent);
   chain.build();
   EXPECT_EQ(chain.staging_bytes(), 0);
-  EXPECT_EQ(chain.device_bytes().total(), 3 * extent.elements() * 4) << "the inputs and what is written first";
+  EXPECT_EQ(chain.device_bytes().total(), 3 * extent.elements() * 4)
+      << "the inputs and what is written first";
   std::ranges::fill(chain.upload<float>(unused), 7.0f);
   std::ranges::fill(chain.upload<float>(input), 1.0f);
   chain.run();
