@@ -24,7 +24,8 @@
 namespace becalm::gpu {
 
 /// An image that is kept from frame to frame: a pass writes `next`, which is `previous` in the following
-/// frame. Both are zero in the first run and after Chain::reset_history.
+/// frame. `previous` is zero in the first run and after Chain::reset_history. Both share memory if no pass
+/// reads `previous` once `next` is written.
 struct History {
   ImageId previous;
   ImageId next;

@@ -125,9 +125,20 @@ std::vector<std::optional<Lifetime>> Chain::Impl::lifetimes() const {
   return result;
 }
 
+void Chain::Impl::find_replaced_histories(const std::vector<std::optional<Lifetime>>& lived) {
+  if (!options.alias_memory) return;
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    if (images[i].role != Role::history_next || !lived[i]) continue;
+    const std::optional<Lifetime>& previous = lived[static_cast<std::size_t>(images[i].partner)];
+    images[i].replaces_previous = !previous || previous->last < lived[i]->first;
+  }
+}
+
 void Chain::Impl::plan_memory() {
   const std::vector<std::optional<Lifetime>> lived = lifetimes();
+  find_replaced_histories(lived);
   buffers.resize(images.size());
+  std::uint64_t replaced_bytes = 0;
   std::vector<MemoryRequest> requests;  // of what no run leaves to the next
   std::vector<std::size_t> owners;
   std::vector<std::size_t> kept;
@@ -146,7 +157,7 @@ void Chain::Impl::plan_memory() {
     buffers[i].bytes = needs.size;
     if (is_kept(images[i])) {
       kept.push_back(i);
-      bytes.own += needs.size;
+      (images[i].replaces_previous ? replaced_bytes : bytes.own) += needs.size;
       continue;
     }
     requests.push_back({needs.size, lived[i]->first, lived[i]->last});
@@ -169,6 +180,10 @@ void Chain::Impl::plan_memory() {
   }
   scratch_bytes = plan.arena_bytes;
   for (const std::size_t i : kept) {
+    if (images[i].replaces_previous) {
+      buffers[i].arena = buffers[static_cast<std::size_t>(images[i].partner)].arena;  // declared before it
+      continue;
+    }
     buffers[i].arena = static_cast<int>(scratch_bytes.size() + own_bytes.size());
     own_bytes.push_back(buffers[i].bytes);
   }
@@ -178,7 +193,8 @@ void Chain::Impl::plan_memory() {
                                                  Memory::eHostCached | Memory::eDeviceLocal)
                             : device.memory_type(types, {}, Memory::eDeviceLocal);
   bytes.scratch = scratch_bytes;
-  device_bytes_unaliased = bytes.own + gpu::plan_memory(requests, alignment, false, limit).total_bytes;
+  device_bytes_unaliased =
+      bytes.own + replaced_bytes + gpu::plan_memory(requests, alignment, false, limit).total_bytes;
 }
 
 void Chain::Impl::allocate() {

@@ -38,6 +38,9 @@ struct ImageDeclaration {
   bool is_output = false;
   int pixel_px = 1;  ///< of an output
   int partner = -1;  ///< of a history image: the other one of the pair
+  /// Of the next image of a history: it takes the memory of the previous one, which is no longer read once it
+  /// is written.
+  bool replaces_previous = false;
 
   std::uint64_t bytes() const { return extent.elements() * bytes_per_element(format); }
   std::uint64_t plane_bytes() const { return extent.with_planes(1).elements() * bytes_per_element(format); }
@@ -161,6 +164,7 @@ struct Chain::Impl {
   void plan_segments();
   /// By image; none of images that no step uses.
   std::vector<std::optional<Lifetime>> lifetimes() const;
+  void find_replaced_histories(const std::vector<std::optional<Lifetime>>& lived);
   void plan_memory();
   void allocate();
   void bind_image(std::size_t image, const vk::raii::DeviceMemory& memory, std::byte* mapped);

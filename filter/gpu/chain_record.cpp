@@ -127,7 +127,8 @@ void Chain::Impl::record_reset(const vk::raii::CommandBuffer& commands) const {
   commands.begin(vk::CommandBufferBeginInfo());
   barrier(commands, Stage::eAllCommands, Flag::eMemoryWrite, Stage::eClear, Flag::eTransferWrite);
   for (std::size_t i = 0; i < images.size(); ++i) {
-    if (images[i].is_history()) commands.fillBuffer(*buffers[i].buffer, 0, VK_WHOLE_SIZE, 0);
+    if (images[i].is_history() && !images[i].replaces_previous)
+      commands.fillBuffer(*buffers[i].buffer, 0, VK_WHOLE_SIZE, 0);
   }
   commands.end();
 }

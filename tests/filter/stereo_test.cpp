@@ -360,7 +360,7 @@ TEST_F(StereoTest, APairWhoseCamerasAreSearchedKeepsToTheMemory) {
   };
   const auto [whole, memory] = run(std::numeric_limits<std::uint64_t>::max());
   EXPECT_EQ(memory.tile_plan, "1");
-  const auto limit = memory.device.total() / 3;
+  const auto limit = memory.device.total() * 2 / 5;
   const auto [cut, memory_of_cut] = run(limit);
   EXPECT_LE(memory_of_cut.device.total(), limit);
   EXPECT_NE(memory_of_cut.tile_plan.find("eyes "), std::string::npos) << memory_of_cut.tile_plan;

@@ -337,6 +337,38 @@ TEST_F(ChainTest, UsesInputsAndOutputsInPlaceOnAProcessor) {
   EXPECT_EQ(chain.download<float>(last)[5], 61.0f);
 }
 
+/// What is read of a history once its next image is written must be the previous frame's.
+TEST_F(ChainTest, ReplacesAHistoryThatIsNoLongerRead) {
+  constexpr Extent extent{1000, 64};  // whose buffers are as large as the images
+  constexpr std::uint64_t bytes = extent.elements() * 4;
+  for (const bool reads_late : {false, true}) {
+    SCOPED_TRACE(reads_late ? "read late" : "read early");
+    Chain chain(validated_device(), "history", test_options());
+    const History history = chain.history("history", Format::f32, extent);
+    const auto scale = [&](ImageId from, ImageId to) {
+      chain.pass("kernels/scale")
+          .read("fine", from)
+          .write("scaled", to)
+          .constants(ScaleParams{extent.width, extent.height})
+          .dispatch(extent);
+    };
+    const ImageId scaled = chain.image("scaled", Format::f32, extent);
+    const ImageId late = chain.image("late", Format::f32, extent);
+    scale(history.previous, scaled);
+    scale(scaled, history.next);
+    scale(reads_late ? history.previous : history.next, late);
+    chain.output(late);
+    chain.build();
+    EXPECT_EQ(chain.device_bytes().own, (reads_late ? 2 : 1) * bytes);
+    for (int run = 0; run < 4; ++run) {
+      if (run == 3) chain.reset_history();
+      chain.run();
+      const int frames_before = run == 3 ? 0 : run;
+      EXPECT_EQ(chain.download<float>(late)[7], 20.0f * frames_before + (reads_late ? 10.0f : 30.0f)) << run;
+    }
+  }
+}
+
 TEST_F(ChainTest, ServesSeveralChainsOfOneDeviceInTurn) {
   HistoryChain one;
   HistoryChain two(false);
