@@ -40,6 +40,18 @@ std::vector<io::SequencePattern> output_patterns(const SequenceCommand& command,
   return {inputs.output_pattern(pattern_of_eye(text, 0)), inputs.output_pattern(pattern_of_eye(text, 1))};
 }
 
+/// Gives the memory back of what the filter has read and the writer takes from the file.
+void drop_filtered(io::LoadedFrame& source) {
+  const auto drop = [](Frame& frame) {
+    for (const AovInfo& entry : kAovTable) {
+      if (entry.aov != Aov::beauty) frame.remove(entry.aov);
+    }
+  };
+  drop(source.frame);
+  for (io::LoadedView& view : source.other_views) drop(view.frame);
+  if (source.other_eye) drop(source.other_eye->frame);
+}
+
 InputFrames::Pair pair_of(const SequenceCommand& command) {
   if (command.eyes) return InputFrames::Pair::eyes;
   return command.finds_halves ? InputFrames::Pair::halves : InputFrames::Pair::none;
@@ -198,7 +210,10 @@ void SequenceJob::filter_all(const std::vector<filter::Step>& steps, double work
                                   [&](std::size_t step, io::LoadedFrame noisy) {
                                     progress_->update(steps[step].frame,
                                                       work_per_step * static_cast<double>(step));
-                                    return filter_.run(steps[step], std::move(noisy), *progress_, profile_);
+                                    std::optional<FinishedFrame> made =
+                                        filter_.run(steps[step], std::move(noisy), *progress_, profile_);
+                                    if (made) drop_filtered(made->source);
+                                    return made;
                                   },
                               .sink = [&](const FinishedFrame& finished) { write(finished, sink); }});
   filter_.finish(profile_);

@@ -366,7 +366,7 @@ Frame AntialiasFilter::State::forward(const Step& step, const Frame& frame,
     if (ratio <= kLargestRatio) {
       Estimate predicted = prediction->second.estimate.estimate();
       rescale(predicted, ratio);
-      made = combiner->run(exposure, made, predicted, report);
+      made = combiner->run(exposure, std::move(made), std::move(predicted), report);
     }
     predictions.erase(prediction);
   }

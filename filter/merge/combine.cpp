@@ -88,13 +88,15 @@ Combiner::Combiner(gpu::Device& device, const FilterTask& task, std::uint64_t me
 
 Combiner::~Combiner() = default;
 
-Estimate Combiner::run(float exposure, const Estimate& forward, const Estimate& prediction,
-                       FrameReport& report) {
-  Estimate result(task_.full, task_.carried());
+Estimate Combiner::run(float exposure, Estimate forward, Estimate prediction, FrameReport& report) {
+  Estimate result = chain_.is_whole() ? Estimate() : Estimate(task_.full, task_.carried());
   const auto upload = [&](Passes& passes, const Tile& tile) {
     passes.chain.upload<float>(passes.exposure)[0] = exposure;
     passes.forward.upload(passes.chain, forward, tile.target);
     passes.prediction.upload(passes.chain, prediction, tile.target);
+    if (!chain_.is_whole()) return;
+    result = std::move(forward);  // its memory alone is needed from here on
+    prediction = {};
   };
   const auto download = [&](const Passes& passes, const Tile& tile) {
     copy_core(passes.chain.download<float>(passes.combined.color), tile, result.color);

@@ -42,7 +42,7 @@ class Combiner {
 
   /// `forward` includes the frame, `prediction` does not; `exposure` is the frame's. Adds the device times to
   /// the report.
-  Estimate run(float exposure, const Estimate& forward, const Estimate& prediction, FrameReport& report);
+  Estimate run(float exposure, Estimate forward, Estimate prediction, FrameReport& report);
   FilterMemory memory() const;
 
  private:

@@ -339,7 +339,8 @@ void SequenceFilter::State::forward(const Step& step, Merged& made, FrameReport&
   report.mean_rejected = merged.rejected / static_cast<double>(full.elements());
 
   if (const auto prediction = predictions.find(step.frame); prediction != predictions.end()) {
-    merged.merged = combiner->run(frame.exposure, merged.merged, prediction->second.estimate(), report);
+    merged.merged =
+        combiner->run(frame.exposure, std::move(merged.merged), prediction->second.estimate(), report);
     predictions.erase(prediction);
   }
 }

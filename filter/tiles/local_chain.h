@@ -60,6 +60,9 @@ class LocalChain {
     }
   }
 
+  /// Whether frames are not cut.
+  bool is_whole() const { return tiles_.size() == 1; }
+
   /// For uploading what is the same in every run; the chain keeps it.
   Passes& passes() { return *passes_; }
 
