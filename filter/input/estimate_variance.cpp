@@ -49,15 +49,13 @@ ImageId add_variance_estimate(gpu::Chain& chain, gpu::Extent full, const FrameWi
       .write("scales", scales)
       .specialize("has_albedo", albedo_depth ? 1 : 0)
       .dispatch(full);
-  const PatchSums sums = add_patch_sums(chain, kPatchRadius, full, scales, "noise.scales");
+  const ImageId sums = add_box_sums(chain, kPatchRadius, full, scales, "noise.scales");
   const ImageId variance = chain.image("variance.estimated", Format::f32x2, full);
   chain.pass("merge/noise_share")
       .read("estimate", estimate)
-      .read("scales", scales, sums.reach)
-      .read("scales_sums", sums.of_other_rows)
+      .read("scales_sums", sums)
       .read("noise_ratio", frame.noise_ratio)
       .write("variance", variance)
-      .specialize("radius", kPatchRadius)
       .specialize("has_albedo", albedo_depth ? 1 : 0)
       .dispatch(full);
   return variance;

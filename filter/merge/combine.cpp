@@ -37,7 +37,7 @@ Combined add_combine_passes(gpu::Chain& chain, const Settings& settings, gpu::Ex
       .read("backward_color", inputs.backward_color)
       .read("backward_stats", inputs.backward_stats)
       .read("statistics", statistics, sums.reach)
-      .read("statistics_sums", sums.of_other_rows)
+      .read("statistics_sums", sums.sums)
       .write("color", combined.color)
       .write("stats", combined.stats)
       .write("weight_backward", weight)

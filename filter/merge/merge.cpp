@@ -63,8 +63,8 @@ ImageId add_variance_gain(Chain& chain, const Settings& settings, Extent full, c
       .read("exposure", inputs.noisy.exposure)
       .read("difference", difference, difference_sums.reach)
       .read("noise", noise, noise_sums.reach)
-      .read("difference_sums", difference_sums.of_other_rows)
-      .read("noise_sums", noise_sums.of_other_rows)
+      .read("difference_sums", difference_sums.sums)
+      .read("noise_sums", noise_sums.sums)
       .write("merged_color", inputs.history_color.next)
       .write("merged_stats", inputs.history_stats.next)
       .write("decision", decision)
@@ -106,14 +106,13 @@ ImageId add_known_noise(Chain& chain, Extent full, ImageId noisy, ImageId warped
       .read("variance", frame.variance)
       .write("statistics", statistics)
       .dispatch(full);
-  const PatchSums sums = add_patch_sums(chain, kNoisePatchRadius, full, statistics, "noise.repeated");
+  const ImageId sums = add_box_sums(chain, kNoisePatchRadius, full, statistics, "noise.repeated");
   const ImageId known = chain.image("noisy.known", Format::f32x4, full);
   chain.pass("merge/known_noise")
       .read("noisy", noisy)
-      .read("statistics", statistics, sums.reach)
-      .read("statistics_sums", sums.of_other_rows)
+      .read("statistics", statistics)
+      .read("statistics_sums", sums)
       .write("known", known)
-      .specialize("radius", kNoisePatchRadius)
       .dispatch(full);
   return known;
 }

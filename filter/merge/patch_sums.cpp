@@ -18,25 +18,38 @@ int sum_strip(const gpu::DeviceInfo& device) {
 
 }  // namespace
 
-PatchSums add_patch_sums(gpu::Chain& chain, int radius, gpu::Extent full, ImageId statistics,
-                         const std::string& name) {
-  if (radius == 1) return {.of_other_rows = std::nullopt, .reach = gpu::reach(1)};
-  const ImageId rows = chain.image(name + ".rows", Format::f32x4, full);
-  const ImageId sums = chain.image(name + ".sums", Format::f32x4, full);
+ImageId add_box_sums(gpu::Chain& chain, int radius, Extent full, ImageId statistics,
+                     const std::string& name) {
+  const auto image = [&](const char* what) { return chain.image(name + what, Format::f32x4, full); };
+  const ImageId rows = image(".rows");
+  const ImageId beside = image(".beside");
+  const ImageId sums = image(".sums");
   const int strip = sum_strip(chain.device());
-  const auto box = [&](ImageId in, ImageId out, bool along_y) {
-    chain.pass("merge/box")
-        .read("statistics", in, along_y ? gpu::reach(0, radius) : gpu::reach(radius, 0))
-        .write("sums", out)
-        .specialize("radius", radius)
-        .specialize("along_y", along_y ? 1 : 0)
-        .specialize("strip", strip)
-        .dispatch(along_y ? Extent{full.width, ceil_div(full.height, strip)}
-                          : Extent{ceil_div(full.width, strip), full.height});
-  };
-  box(statistics, rows, false);
-  box(rows, sums, true);
-  return {.of_other_rows = sums, .reach = gpu::reach(radius, 0)};
+  chain.pass("merge/box")
+      .read("statistics", statistics, gpu::reach(radius, 0))
+      .read("beside", std::nullopt)
+      .write("sums", rows)
+      .write("new_beside", beside)
+      .specialize("radius", radius)
+      .specialize("along_y", 0)
+      .specialize("strip", strip)
+      .dispatch({ceil_div(full.width, strip), full.height});
+  chain.pass("merge/box")
+      .read("statistics", rows, gpu::reach(0, radius))
+      .read("beside", beside)
+      .write("sums", sums)
+      .write("new_beside", std::nullopt)
+      .specialize("radius", radius)
+      .specialize("along_y", 1)
+      .specialize("strip", strip)
+      .dispatch({full.width, ceil_div(full.height, strip)});
+  return sums;
+}
+
+PatchSums add_patch_sums(gpu::Chain& chain, int radius, Extent full, ImageId statistics,
+                         const std::string& name) {
+  if (radius == 1) return {.sums = std::nullopt, .reach = gpu::reach(1)};
+  return {.sums = add_box_sums(chain, radius, full, statistics, name), .reach = {}};
 }
 
 }  // namespace becalm::filter

@@ -23,7 +23,7 @@ DetailShare add_detail_share(gpu::Chain& chain, gpu::Extent full, const NoisyInp
   const bool separate = frame.has_depth || frame.has_normal;
   const auto image = [&](const std::string& name) { return chain.image(name, Format::f32x4, full); };
   const auto sums = [&](ImageId statistics, const std::string& name) {
-    return add_patch_sums(chain, kLostRadius, full, statistics, name);
+    return add_box_sums(chain, kLostRadius, full, statistics, name);
   };
 
   const ImageId lost = image("detail.lost");
@@ -42,22 +42,22 @@ DetailShare add_detail_share(gpu::Chain& chain, gpu::Extent full, const NoisyInp
       .specialize("has_normal", frame.has_normal ? 1 : 0)
       .dispatch(full);
 
-  const PatchSums lost_sums = sums(lost, "detail.lost");
-  const PatchSums background_sums = background ? sums(*background, "detail.lost_background") : PatchSums{};
+  const ImageId lost_sums = sums(lost, "detail.lost");
+  std::optional<ImageId> background_sums;
+  if (background) background_sums = sums(*background, "detail.lost_background");
   const DetailShare detail{.share = chain.image("detail.share", Format::f32x2, full),
                            .stats = chain.image("detail.stats", Format::f32x2, full)};
   chain.pass("smooth/share")
-      .read("lost", lost, lost_sums.reach)
-      .read("lost_sums", lost_sums.of_other_rows)
-      .read("lost_background", background, background_sums.reach)
-      .read("lost_background_sums", background_sums.of_other_rows)
+      .read("lost", lost)
+      .read("lost_sums", lost_sums)
+      .read("lost_background", background)
+      .read("lost_background_sums", background_sums)
       .read("variance", frame.variance)
       .read("expected", stats)
       .read("albedo_depth", features.albedo_depth)
       .read("normal", features.normal)
       .write("share", detail.share)
       .write("stats", detail.stats)
-      .specialize("radius", kLostRadius)
       .specialize("separate", separate ? 1 : 0)
       .specialize("has_normal", frame.has_normal ? 1 : 0)
       .dispatch(full);

@@ -26,12 +26,12 @@ OwnShare add_own_share(gpu::Chain& chain, gpu::Extent full, const NoisyInputs& f
       .write("difference", difference)
       .specialize("has_detail", estimate.detail ? 1 : 0)
       .dispatch(full);
-  const PatchSums sums = add_patch_sums(chain, kRadius, full, difference, "own.difference");
+  const ImageId sums = add_box_sums(chain, kRadius, full, difference, "own.difference");
   const OwnShare own{.share = chain.image("own.share", Format::f32, full),
                      .stats = chain.image("own.stats", Format::f32x2, full)};
   chain.pass("smooth/own_share")
-      .read("difference", difference, sums.reach)
-      .read("difference_sums", sums.of_other_rows)
+      .read("difference", difference)
+      .read("difference_sums", sums)
       .read("estimate", estimate.color)
       .read("estimate_stats", estimate.stats)
       .read("exposure", frame.exposure)
@@ -39,7 +39,6 @@ OwnShare add_own_share(gpu::Chain& chain, gpu::Extent full, const NoisyInputs& f
       .read("fade", estimate.fade)
       .write("share", own.share)
       .write("stats", own.stats)
-      .specialize("radius", kRadius)
       .specialize("fades", estimate.fade ? 1 : 0)
       .dispatch(full);
   return own;

@@ -32,7 +32,7 @@ layout(std430, set = 0, binding = 6) writeonly buffer ColorBuffer { vec4 data[];
 layout(std430, set = 0, binding = 7) writeonly buffer StatsBuffer { vec2 data[]; } stats;
 layout(std430, set = 0, binding = 8) writeonly buffer WeightBuffer { float data[]; } weight_backward;
 
-#include "lib/patch_row.glsl"
+#include "lib/patch_sum.glsl"
 
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);

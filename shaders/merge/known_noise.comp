@@ -6,21 +6,17 @@
 #extension GL_EXT_control_flow_attributes : require
 #include "lib/dispatch_size.glsl"
 
-layout(constant_id = 0) const int radius = 3;
-
 layout(local_size_x = 64, local_size_y = 1) in;
 layout(set = 0, binding = 0) uniform samplerBuffer noisy;
 layout(set = 0, binding = 1) uniform samplerBuffer statistics;
 layout(set = 0, binding = 2) uniform samplerBuffer statistics_sums;
 layout(std430, set = 0, binding = 3) writeonly buffer KnownBuffer { vec4 data[]; } known;
 
-#include "lib/patch_row.glsl"
-
 void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
   if (at.x >= size.x || at.y >= size.y) return;
   const int index = at.y * size.x + at.x;
-  const vec4 sum = patch_without_pixel(statistics, statistics_sums, at);
+  const vec4 sum = texelFetch(statistics_sums, index);
   const vec4 value = texelFetch(noisy, index);
   // A firefly among calm pixels keeps its variance, since its own difference is large.
   const vec4 own = texelFetch(statistics, index);

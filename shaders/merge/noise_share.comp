@@ -6,17 +6,13 @@
 #extension GL_EXT_control_flow_attributes : require
 #include "lib/dispatch_size.glsl"
 
-layout(constant_id = 0) const int radius = 3;
-layout(constant_id = 1) const int has_albedo = 1;
+layout(constant_id = 0) const int has_albedo = 1;
 
 layout(local_size_x = 64, local_size_y = 1) in;
 layout(set = 0, binding = 0) uniform samplerBuffer estimate;
-layout(set = 0, binding = 1) uniform samplerBuffer scales;
-layout(set = 0, binding = 2) uniform samplerBuffer scales_sums;
-layout(set = 0, binding = 3) uniform samplerBuffer noise_ratio;
-layout(std430, set = 0, binding = 4) writeonly buffer VarianceBuffer { vec2 data[]; } variance;
-
-#include "lib/patch_row.glsl"
+layout(set = 0, binding = 1) uniform samplerBuffer scales_sums;
+layout(set = 0, binding = 2) uniform samplerBuffer noise_ratio;
+layout(std430, set = 0, binding = 3) writeonly buffer VarianceBuffer { vec2 data[]; } variance;
 
 /// Ratios, in units of the noise's, up to which a patch may be all noise, and from which it is all detail. In patches
 /// of noise the ratio spreads to twice its mean; detail of references has 5 to 12.
@@ -33,7 +29,7 @@ void main() {
   const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
   if (at.x >= size.x || at.y >= size.y) return;
   const int index = at.y * size.x + at.x;
-  const vec4 sum = patch_without_pixel(scales, scales_sums, at);
+  const vec4 sum = texelFetch(scales_sums, index);
   const float of_noise = texelFetch(noise_ratio, 0).x;
   const float ratio = sum.x > 0.0 ? sum.y / (sum.x * of_noise) : 1.0;
   const float share = clamp((kDetail - ratio) / (kDetail - kNoise), kLeastShare, 1.0);

@@ -34,7 +34,7 @@ layout(std430, set = 0, binding = 10) writeonly buffer MergedStatsBuffer { vec2 
 layout(std430, set = 0, binding = 11) writeonly buffer DecisionBuffer { vec4 data[]; } decision;
 
 #include "lib/blend.glsl"
-#include "lib/patch_row.glsl"
+#include "lib/patch_sum.glsl"
 
 /// Relative squared bias of a pixel that is darker than its history by more than any noise explains, such as a single
 /// leaf that has come before the sky; its neighbours may all agree with their history. Brighter pixels may be outliers.

@@ -11,8 +11,7 @@
 #include "lib/dispatch_size.glsl"
 #include "shared/limits.h"
 
-layout(constant_id = 0) const int radius = 3;
-layout(constant_id = 1) const int fades = 0;
+layout(constant_id = 0) const int fades = 0;
 
 layout(local_size_x = 128, local_size_y = 1) in;
 layout(set = 0, binding = 0) uniform samplerBuffer difference;
@@ -24,8 +23,6 @@ layout(set = 0, binding = 5) uniform samplerBuffer weights;
 layout(set = 0, binding = 6) uniform samplerBuffer fade;
 layout(std430, set = 0, binding = 7) writeonly buffer ShareBuffer { float data[]; } share;
 layout(std430, set = 0, binding = 8) writeonly buffer StatsBuffer { vec2 data[]; } stats;
-
-#include "lib/patch_row.glsl"
 
 // Of the inputs; scripts/train/own_share.py has the same.
 const float kLargestInput = 1e6;
@@ -83,7 +80,7 @@ void main() {
   load_layers();
   const ivec2 at = min(ivec2(gl_GlobalInvocationID.xy), size - 1);
   const int index = at.y * size.x + at.x;
-  const vec4 sum = patch_without_pixel(difference, difference_sums, at);
+  const vec4 sum = texelFetch(difference_sums, index);
   const vec3 of_patch = max(sum.xyz, 0.0) / max(sum.w, 1.0);
   const vec4 own = texelFetch(difference, index);
   vec4 inputs[kHiddenVectors];

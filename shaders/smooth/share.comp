@@ -18,8 +18,7 @@ const float kSignificance = 2.0;
 /// noise.
 const float kCertain = 16.0;
 
-layout(constant_id = 0) const int radius = 7;
-layout(constant_id = 1) const int separate = 1;  // as in smooth/lost
+layout(constant_id = 0) const int separate = 1;  // as in smooth/lost
 
 layout(local_size_x = 64, local_size_y = 1) in;
 layout(set = 0, binding = 0) uniform samplerBuffer lost;
@@ -33,7 +32,6 @@ layout(set = 0, binding = 7) uniform samplerBuffer lost_background_sums;
 layout(std430, set = 0, binding = 8) writeonly buffer ShareBuffer { vec2 data[]; } share;
 layout(std430, set = 0, binding = 9) writeonly buffer StatsBuffer { vec2 data[]; } stats;
 
-#include "lib/patch_row.glsl"
 #include "lib/surface.glsl"
 
 void main() {
@@ -41,8 +39,7 @@ void main() {
   if (at.x >= size.x || at.y >= size.y) return;
   const int index = at.y * size.x + at.x;
   const bool background = separate != 0 && !shows_surface(index);
-  const vec4 sum = background ? patch_without_pixel(lost_background, lost_background_sums, at)
-                              : patch_without_pixel(lost, lost_sums, at);
+  const vec4 sum = background ? texelFetch(lost_background_sums, index) : texelFetch(lost_sums, index);
   const float count = max(sum.w, 1.0);
   const vec2 noisy = texelFetch(variance, index).xy;
   const vec2 smooth_stats = texelFetch(expected, index).xy;

@@ -283,7 +283,9 @@ std::vector<std::string> errors_under(gpu::Device& device, const gpu::Footprint&
   const ImageId in = chain.input("in", Format::f32x4, kFull);
   chain.pass("merge/box")
       .read("statistics", in, footprint)
+      .read("beside", std::nullopt)
       .write("sums", chain.image("out", Format::f32x4, kFull))
+      .write("new_beside", chain.image("beside", Format::f32x4, kFull))
       .specialize("radius", 1)
       .specialize("along_y", 0)
       .dispatch(kFull);
