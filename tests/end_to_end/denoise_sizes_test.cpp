@@ -266,7 +266,7 @@ TEST_F(Denoise, MemoryCutsFramesIntoTilesThatNobodySees) {
   std::vector<std::string> options{"--profile", "--quiet", "--set", "smooth=none"};
   const Outcome whole = becalm_done(command("whole.####.exr", options));
   EXPECT_NE(whole.err.find("1 tile of 400x320 px"), std::string::npos) << whole.err;
-  options.insert(options.end(), {"--memory", "7M"});
+  options.insert(options.end(), {"--memory", "11M"});
   const Outcome tiled = becalm_done(command("tiled.####.exr", options));
   EXPECT_NE(tiled.err.find(" tiles of "), std::string::npos) << tiled.err;
   expect_same_beauty(folder_ / "whole.####.exr", folder_ / "tiled.####.exr", 1, 3);
