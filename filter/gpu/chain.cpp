@@ -279,7 +279,11 @@ void Chain::run() {
     if (s.images[i].role == Role::input && !s.is_filled[i])
       throw DeviceError(s.label() + ": input '" + s.images[i].name + "' was not uploaded for this run");
   }
+  if (s.history_is_lost && !s.needs_reset)
+    throw DeviceError(s.label() + ": a run that failed has overwritten its history, which was not reset");
   s.forget_inputs();
+  s.holds_outputs = false;
+  s.history_is_lost = s.replaces_history;
   try {
     s.run_segments();
   } catch (const vk::DeviceLostError&) {
@@ -289,6 +293,7 @@ void Chain::run() {
   }
   s.device.check_validation(s.label());
   s.needs_reset = false;
+  s.history_is_lost = false;
   s.has_run = true;
   s.holds_outputs = true;
   s.last_parity = s.parity;

@@ -198,18 +198,19 @@ class Chain {
   /// Plans, unless that has been done, allocates memory and creates the objects that runs need.
   void build();
 
-  /// Host memory of an input. Until the run, no other chain of the device may be built, uploaded to, or run,
-  /// tables apart: a table keeps its values.
+  /// Host memory of an input. Until the run, no other chain of the device may be built, destroyed, uploaded
+  /// to, or run, tables apart: a table keeps its values.
   template <class T>
   std::span<T> upload(ImageId image) {
     auto bytes = upload_bytes(image);
     return {reinterpret_cast<T*>(bytes.data()), bytes.size() / sizeof(T)};
   }
   /// Runs all passes once and waits. History images swap afterwards. Throws DeviceError if an input was not
-  /// uploaded for this run, if the device is lost, and for validation messages.
+  /// uploaded for this run, if a run that failed has overwritten the history, if the device is lost, and for
+  /// validation messages.
   void run();
-  /// An output's pixels, until a chain of the device is uploaded to, tables apart, or run. Throws DeviceError
-  /// after that.
+  /// An output's pixels, until a chain of the device is built, destroyed, uploaded to, tables apart, or run.
+  /// Throws DeviceError after that.
   template <class T>
   std::span<const T> download(ImageId image) const {
     auto bytes = download_bytes(image);
@@ -232,7 +233,7 @@ class Chain {
   /// without staging_bytes).
   DeviceBytes device_bytes() const;
   std::uint64_t device_bytes_unaliased() const;
-  /// Host memory of inputs and outputs; 0 if they are used in place.
+  /// Host memory of inputs and outputs; of tables alone if they are used in place.
   std::uint64_t staging_bytes() const;
 
  private:

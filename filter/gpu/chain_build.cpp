@@ -145,8 +145,8 @@ void Chain::Impl::plan_memory() {
   std::uint32_t types = ~0u;
   std::uint64_t alignment = 1;
   for (std::size_t i = 0; i < images.size(); ++i) {
-    if (!is_in_place() && (images[i].role == Role::input || images[i].is_output))
-      staging_bytes += images[i].bytes();
+    const bool is_transferred = images[i].role == Role::input || images[i].is_output;
+    if (is_in_place() ? images[i].is_table : is_transferred) staging_bytes += images[i].bytes();
     if (!lived[i] && !is_kept(images[i])) continue;
     const vk::BufferCreateInfo create = buffer_of(images[i]);
     const vk::MemoryRequirements needs =
@@ -157,7 +157,9 @@ void Chain::Impl::plan_memory() {
     buffers[i].bytes = needs.size;
     if (is_kept(images[i])) {
       kept.push_back(i);
+      if (!images[i].is_history()) continue;
       (images[i].replaces_previous ? replaced_bytes : bytes.own) += needs.size;
+      replaces_history |= images[i].replaces_previous;
       continue;
     }
     requests.push_back({needs.size, lived[i]->first, lived[i]->last});
@@ -244,9 +246,8 @@ void Chain::Impl::bind_scratch() {
 }
 
 void Chain::Impl::take_scratch() {
-  const std::uint64_t held = scratch_version;
   guarded(label(), [&] { bind_scratch(); });
-  if (device.scratch.user == this && scratch_version == held) return;
+  if (device.scratch.user == this) return;
   device.scratch.user = this;
   forget_inputs();
   holds_outputs = false;

@@ -108,7 +108,7 @@ struct Step {
   int index;  ///< of the image or of the pass
 };
 
-/// The first and the last step that use an image.
+/// The first and the last step during which an image has memory.
 struct Lifetime {
   int first;
   int last;
@@ -131,7 +131,7 @@ struct DeviceBuffer {
   vk::raii::BufferView texels = nullptr;  ///< null if the device cannot read so many elements as texels
   int arena = 0;                          ///< of those that Chain::Impl numbers
   std::uint64_t offset = 0;
-  std::uint64_t bytes = 0;      ///< 0: no step uses the image
+  std::uint64_t bytes = 0;      ///< 0: the image needs no memory
   std::byte* mapped = nullptr;  ///< host address, if the chain's memory is mapped
 };
 
@@ -162,7 +162,8 @@ struct Chain::Impl {
 
   void plan_steps();
   void plan_segments();
-  /// By image; none of images that no step uses.
+  /// By image; none of images that need no memory. Used in place, inputs have it from the first step on and
+  /// outputs to the last one.
   std::vector<std::optional<Lifetime>> lifetimes() const;
   void find_replaced_histories(const std::vector<std::optional<Lifetime>>& lived);
   void plan_memory();
@@ -215,6 +216,7 @@ struct Chain::Impl {
   bool is_planned = false;
   bool is_built = false;
   bool has_history = false;
+  bool replaces_history = false;  // what a run begins with is lost once it ends
   bool has_host_passes = false;
 
   std::vector<Step> steps;
@@ -247,7 +249,8 @@ struct Chain::Impl {
   int last_parity = 0;  // of the last run
   bool needs_reset = true;
   bool has_run = false;
-  bool holds_outputs = false;  // of the last run
+  bool history_is_lost = false;  // by a run that failed
+  bool holds_outputs = false;    // of the last run
   std::vector<PassTime> times;
 };
 

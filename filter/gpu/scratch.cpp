@@ -27,7 +27,9 @@ const Scratch::Arenas& Scratch::arenas(const vk::raii::Device& device, std::uint
   needed.resize(std::max(needed.size(), list.size()));
   list.resize(needed.size());
   for (std::size_t i = 0; i < list.size(); ++i) {
-    if (list[i].bytes != needed[i]) list[i] = {};
+    if (list[i].bytes == needed[i]) continue;
+    list[i] = {};
+    user = nullptr;
   }
   for (std::size_t i = 0; i < list.size(); ++i) {
     if (list[i].bytes == needed[i]) continue;

@@ -34,7 +34,8 @@ class Scratch {
   /// Those of the memory type, for what is reserved now.
   const Arenas& arenas(const vk::raii::Device& device, std::uint32_t memory_type, bool is_mapped);
 
-  /// Whose inputs and outputs the memory holds, by address: the chain that was last uploaded to or run.
+  /// Whose inputs and outputs the memory holds, by address: the chain that was last uploaded to or run; null
+  /// once any memory has changed.
   const void* user = nullptr;
 
  private:

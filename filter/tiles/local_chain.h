@@ -63,7 +63,7 @@ class LocalChain {
   /// Whether frames are not cut.
   bool is_whole() const { return tiles_.size() == 1; }
 
-  /// For uploading what is the same in every run; the chain keeps it.
+  /// For uploading tables that are the same in every run.
   Passes& passes() { return *passes_; }
 
   FilterMemory memory() const {

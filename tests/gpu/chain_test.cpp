@@ -200,6 +200,11 @@ TEST_F(ChainTest, TakesTheMemoryOfOtherChainsInputsAndOutputs) {
       "chain ran";
   EXPECT_EQ(device_error_of([&] { static_cast<void>(one.chain.download<float>(one.scaled)); }), overwritten);
   two.chain.run();
+  const ScaleChain larger(validated_device(), {3000, 1});
+  EXPECT_EQ(device_error_of([&] { static_cast<void>(two.chain.download<float>(two.scaled)); }), overwritten);
+  fill(two);
+  two.chain.run();
+  EXPECT_EQ(two.chain.download<float>(two.scaled)[2], 11.0f);
   fill(two);
   EXPECT_EQ(device_error_of([&] { static_cast<void>(two.chain.download<float>(two.scaled)); }), overwritten);
 }

@@ -148,6 +148,32 @@ TEST_F(HostPassTest, ThrowsAndMayRunAgain) {
   EXPECT_EQ(run(made_, 3.0f), 3.0f);
 }
 
+TEST_F(HostPassTest, DoesNotGoOnWithAHistoryThatAFailedRunOverwrote) {
+  bool fails = false;
+  const History sum = chain_.history("sum", Format::f32, kExtent);
+  const ImageId added = chain_.image("added", Format::f32, kExtent);
+  chain_.host_pass("add").read(input_).read(sum.previous).write(added).run([=, this](const HostImages& host) {
+    std::ranges::transform(host.read<float>(input_), host.read<float>(sum.previous),
+                           host.write<float>(added).begin(), std::plus<>());
+  });
+  chain_.host_pass("keep").read(added).write(sum.next).run([&, sum, added](const HostImages& host) {
+    std::ranges::copy(host.read<float>(added), host.write<float>(sum.next).begin());
+    if (fails) throw std::runtime_error("failed");
+  });
+  chain_.output(sum.next);
+  chain_.build();
+  EXPECT_EQ(run(sum.next, 1), 1);
+  EXPECT_EQ(run(sum.next, 2), 3);
+  fails = true;
+  EXPECT_THROW(run(sum.next, 4), std::runtime_error);
+  EXPECT_THROW(static_cast<void>(chain_.download<float>(sum.next)), DeviceError);
+  fails = false;
+  EXPECT_NE(device_error_of([&] { run(sum.next, 4); }).find("has overwritten its history"),
+            std::string::npos);
+  chain_.reset_history();
+  EXPECT_EQ(run(sum.next, 8), 8);
+}
+
 TEST_F(HostPassTest, MistakesAreNamed) {
   const auto build_error = [](const std::function<void(Chain&, ImageId, ImageId)>& declare) {
     Chain chain(validated_device(), "wrong", test_options());

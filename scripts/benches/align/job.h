@@ -23,6 +23,8 @@ class AlignJob {
   virtual ~AlignJob() = default;
 
   virtual void load(const Layers& target, const Layers& source) = 0;
+  /// Before each run; what a run's time does not include.
+  virtual void prepare() {}
   /// Aligns once and waits. Throws Error(bad_input) if a layer that it matches was not loaded.
   virtual void run() = 0;
 

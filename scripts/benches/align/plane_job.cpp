@@ -35,11 +35,11 @@ class PlaneJob : public AlignJob {
     target_plane_ = plane_of(target);
     source_plane_ = plane_of(source);
   }
-  void run() override {
+  void prepare() override {
     std::ranges::copy(target_plane_.data(), chain_.upload<float>(target_).begin());
     std::ranges::copy(source_plane_.data(), chain_.upload<float>(source_).begin());
-    chain_.run();
   }
+  void run() override { chain_.run(); }
 
   std::vector<gpu::PassTime> passes() const override { return chain_.times(); }
   Image offset() const override { return filter::download(chain_, offset_, full_, 2); }

@@ -1,6 +1,5 @@
 // The aligner as a service: reads JSON commands, one a line, and answers each with a line of JSON. A script
-// can keep several of these processes and alternate between them and other programs. Needs only a Vulkan
-// driver.
+// can keep several of these processes and alternate between them and other programs.
 //
 //   {"do": "device"}
 //   {"do": "build", "input": "plane" | "frames", "width": W, "height": H, "preset": NAME,
@@ -106,6 +105,7 @@ class Service {
     std::vector<double> wall, device;
     std::vector<std::vector<double>> passes;
     for (int i = 0; i < times; ++i) {
+      job_->prepare();
       wall.push_back(1e3 * time_of([&] { job_->run(); }).wall_s);
       device.push_back(0.0);
       const std::vector<gpu::PassTime> run = job_->passes();
