@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <optional>
+#include <utility>
 
 #include "filter/merge/estimate_inputs.h"
 #include "filter/merge/patch_sums.h"
@@ -95,7 +96,7 @@ Estimate Combiner::run(float exposure, Estimate forward, Estimate prediction, Fr
     passes.forward.upload(passes.chain, forward, tile.target);
     passes.prediction.upload(passes.chain, prediction, tile.target);
     if (!chain_.is_whole()) return;
-    result = std::move(forward);  // its memory alone is needed from here on
+    result = std::exchange(forward, {});  // its memory alone is needed from here on
     prediction = {};
   };
   const auto download = [&](const Passes& passes, const Tile& tile) {

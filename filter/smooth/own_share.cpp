@@ -26,7 +26,7 @@ OwnShare add_own_share(gpu::Chain& chain, gpu::Extent full, const NoisyInputs& f
       .write("difference", difference)
       .specialize("has_detail", estimate.detail ? 1 : 0)
       .dispatch(full);
-  const ImageId sums = add_box_sums(chain, kRadius, full, difference, "own.difference");
+  const gpu::ImageId sums = add_box_sums(chain, kRadius, full, difference, "own.difference");
   const OwnShare own{.share = chain.image("own.share", Format::f32, full),
                      .stats = chain.image("own.stats", Format::f32x2, full)};
   chain.pass("smooth/own_share")

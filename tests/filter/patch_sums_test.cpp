@@ -41,6 +41,9 @@ class PatchSumsTest : public DeviceTest {
     std::ranges::copy(values, chain.upload<float>(statistics).begin());
     chain.run();
     const std::span<const float> result = chain.download<float>(sums);
+    const auto index = [&](int x, int y, int c) {
+      return 4 * (static_cast<std::size_t>(y) * size.width + x) + c;
+    };
     for (int y = 0; y < size.height; ++y) {
       for (int x = 0; x < size.width; ++x) {
         for (int c = 0; c < 4; ++c) {
@@ -48,11 +51,10 @@ class PatchSumsTest : public DeviceTest {
           for (int v = std::max(y - radius, 0); v <= std::min(y + radius, size.height - 1); ++v) {
             for (int u = std::max(x - radius, 0); u <= std::min(x + radius, size.width - 1); ++u) {
               if (u == x && v == y) continue;
-              expected += values[static_cast<std::size_t>(4 * (v * size.width + u) + c)];
+              expected += values[index(u, v, c)];
             }
           }
-          ASSERT_EQ(result[static_cast<std::size_t>(4 * (y * size.width + x) + c)], expected)
-              << x << ", " << y << ", channel " << c;
+          ASSERT_EQ(result[index(x, y, c)], expected) << x << ", " << y << ", channel " << c;
         }
       }
     }
