@@ -234,7 +234,7 @@ std::span<const std::byte> Chain::download_bytes(ImageId image) const {
   if (!declared.is_output) throw DeviceError(where + "it is not an output");
   if (!s.has_run) throw DeviceError(where + "the chain has not run yet");
   if (!s.holds_outputs || s.device.scratch.user != &s)
-    throw DeviceError(where + "this or another chain has been uploaded to, or run, since the chain ran");
+    throw DeviceError(where + "since the chain ran, this or another one has been built, uploaded to, or run");
   // A history's images swap after the run.
   if (s.is_in_place()) return {s.buffer(image.index, s.last_parity).mapped, declared.bytes()};
   const HostBuffer& host = s.staging[static_cast<std::size_t>(image.index)];

@@ -49,7 +49,7 @@ struct DeviceBytes {
 
 /// Where the host writes inputs and reads outputs.
 enum class Transfers {
-  in_place,  ///< in the memory of kernels, if the device is a processor; else as `staged`
+  in_place,  ///< in the memory that kernels use, if the device is a processor; else as `staged`
   staged,    ///< in staging memory, from which and to which runs copy; asked for by tests alone
 };
 

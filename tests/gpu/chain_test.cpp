@@ -196,8 +196,8 @@ TEST_F(ChainTest, TakesTheMemoryOfOtherChainsInputsAndOutputs) {
   EXPECT_EQ(one.chain.download<float>(one.scaled)[2], 11.0f);
   fill(two);
   const std::string overwritten =
-      "chain 'scale': download of 'scaled': this or another chain has been uploaded to, or run, since the "
-      "chain ran";
+      "chain 'scale': download of 'scaled': since the chain ran, this or another one has been built, "
+      "uploaded to, or run";
   EXPECT_EQ(device_error_of([&] { static_cast<void>(one.chain.download<float>(one.scaled)); }), overwritten);
   two.chain.run();
   const ScaleChain larger(validated_device(), {3000, 1});
