@@ -51,6 +51,10 @@ class Frame {
   Image& add(Aov aov, float fill = 0.0f) {
     return image(aov) = Image(width_, height_, channel_count(aov), fill);
   }
+  /// The same, for pixels that are all written next.
+  Image& add(Aov aov, Unfilled) {
+    return image(aov) = Image(width_, height_, channel_count(aov), Unfilled{});
+  }
   void remove(Aov aov) { image(aov) = Image(); }
 
   /// The AOV's image; empty if the frame does not have it.

@@ -8,9 +8,10 @@
 namespace becalm {
 namespace {
 
-constexpr std::size_t kLarge = std::size_t{1} << 20;
-/// As many layers as the steps of a frame give back.
-constexpr std::size_t kMostKept = 32;
+/// A channel of 256 lines of 1024 halves, as files are read and written, is of half of a MiB.
+constexpr std::size_t kLarge = std::size_t{1} << 18;
+/// As many layers, and channels of files, as the steps of a few frames give back.
+constexpr std::size_t kMostKept = 128;
 /// Layers of 4 channels of floats of 1920x1080 pixels are 32 MiB each.
 constexpr std::size_t kMostKeptBytes = std::size_t{1} << 30;
 

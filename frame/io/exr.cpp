@@ -155,9 +155,12 @@ float rounding_of(const Imf::MultiPartInputFile& file, const LayerSource& source
 
 /// Makes the images of a view, and notes for each part what is to be read into them. `parts` points into the
 /// view afterwards, so it must not move.
-void add_targets(AovSet wanted, LightGroups light_groups, LoadedView& view,
-                 std::map<int, PartTargets>& parts) {
-  const auto add = [&](const LayerSource& source, Image& image, bool denoised) {
+void add_targets(const Imf::MultiPartInputFile& file, AovSet wanted, LightGroups light_groups,
+                 LoadedView& view, std::map<int, PartTargets>& parts) {
+  const auto add = [&](const LayerSource& source, Image& image, float nothing, bool denoised) {
+    const Imath::Box2i& read = file.header(source.part).dataWindow();
+    const bool is_all_read = read.intersects(view.window.min) && read.intersects(view.window.max);
+    if (!is_all_read) std::ranges::fill(image.data(), nothing);
     for (std::size_t c = 0; c < source.channels.size(); ++c) {
       if (source.channels[c].empty()) {  // a beauty without alpha is opaque
         for (std::size_t i = c; i < image.data().size(); i += source.channels.size()) image.data()[i] = 1.0f;
@@ -172,19 +175,17 @@ void add_targets(AovSet wanted, LightGroups light_groups, LoadedView& view,
   for (const AovInfo& entry : kAovTable) {
     const std::size_t index = static_cast<std::size_t>(entry.aov);
     if (!wanted.test(index) || !view.layers[index]) continue;
-    add(*view.layers[index], view.frame.add(entry.aov, value_of_nothing(entry.aov)), is_denoised(entry.aov));
+    add(*view.layers[index], view.frame.add(entry.aov, Unfilled{}), value_of_nothing(entry.aov),
+        is_denoised(entry.aov));
   }
   if (light_groups == LightGroups::leave) return;
   std::vector<LightGroup>& groups = view.frame.light_groups();
-  for (const auto& [name, source] : view.lights) {
-    groups.push_back({name, Image(view.frame.width(), view.frame.height(), 3)});
-  }
+  const auto image = [&] { return Image(view.frame.width(), view.frame.height(), 3, Unfilled{}); };
+  for (const auto& [name, source] : view.lights) groups.push_back({name, image()});
   for (LightGroup& group : groups) {
     const LightSource& source = view.lights.at(group.name);
-    add(source.layer, group.radiance, true);
-    if (!source.colour) continue;
-    Image& colour = view.colours[group.name] = Image(view.frame.width(), view.frame.height(), 3);
-    add(*source.colour, colour, false);
+    add(source.layer, group.radiance, 0.0f, true);
+    if (source.colour) add(*source.colour, view.colours[group.name] = image(), 0.0f, false);
   }
 }
 
@@ -328,7 +329,7 @@ LoadedFrame read_exr(const std::string& path, int frame_number, AovSet wanted, c
       view.middle_px = middle_of(views[i].display_window) - middle_of(view.window);
       if (stereo) stereo->middle_px = view.middle_px;
       view.frame.set_stereo(stereo);
-      add_targets(wanted, light_groups, view, parts);
+      add_targets(*file, wanted, light_groups, view, parts);
     }
     std::size_t room = keep == KeepPassedOn::yes ? kLargestKept : 0;
     for (const auto& [number, targets] : parts) {

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "frame/pixel_memory.h"
+
 namespace becalm::io {
 
 /// Some channels of a run of whole lines, as planes of the file's own types. Parts are read and written
@@ -19,14 +21,14 @@ class Stripe {
     Imf::PixelType type;
     int x_sampling = 1;
     int y_sampling = 1;
-    std::vector<char> bytes;
+    std::vector<char, PixelAllocator<char>> bytes;
   };
 
   /// `window` is the part's data window.
   explicit Stripe(const Imath::Box2i& window) : lines_(window) {}
 
   void add(std::string channel, Imf::PixelType type, int x_sampling = 1, int y_sampling = 1);
-  /// Makes room for the lines first..last; what the planes held is lost.
+  /// Makes room for the lines first..last. The planes then hold anything, and are to be filled.
   void move_to(int first, int last);
 
   /// The lines in the planes, from the data window's left to its right.
