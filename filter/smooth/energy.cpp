@@ -51,6 +51,11 @@ struct BlockGrid {
   std::vector<Block> blocks;
 };
 
+std::span<const float> row_of(const Image& color, int y) {
+  const std::size_t values = static_cast<std::size_t>(color.width()) * color.channels();
+  return color.data().subspan(values * static_cast<std::size_t>(y), values);
+}
+
 double factor_between(const BlockGrid& grid, const Between& x, const Between& y, std::size_t channel) {
   const auto value = [&](int u, int v) { return grid.at(u, v).factor[channel]; };
   return mix(mix(value(x.low, y.low), value(x.high, y.low), x.share),
@@ -72,9 +77,9 @@ double pixel_noise(const NewFrame& frame, const FilterTask& task, const Estimate
   double sum = 0.0;
   for (std::size_t c = 0; c < 3; ++c) {
     const double known = known_variance(frame, task, i, c);
-    sum += (std::isfinite(known) && known >= 0.0 ? known : residual_square(frame, estimate, i, c)) / 3.0;
+    sum += std::isfinite(known) && known >= 0.0 ? known : residual_square(frame, estimate, i, c);
   }
-  return sum;
+  return sum / 3.0;
 }
 
 /// Without known variance the noise is the squared difference from the estimate. Missing light adds the
@@ -98,10 +103,11 @@ BlockGrid finest_level(const NewFrame& frame, const FilterTask& task, const Esti
   const std::span<const float> color = estimate.color.data();
   const double exposure = frame.exposure;
   const auto add_row = [&](int y) {
+    const std::vector<double> weights = restorable.weights(row_of(estimate.color, y));
     restorable.for_row(y, [&](std::size_t x, const Allowance& allowed) {
       const std::size_t i = static_cast<std::size_t>(y) * width + x;
       if (!both_have_data(frame, estimate, i)) return;
-      const double share = allowed.share * restorable.weight(color.subspan(4 * i, 3));
+      const double share = allowed.share * weights[x];
       Block& block = level.at(static_cast<int>(x) / kFinestBlock, y / kFinestBlock);
       for (std::size_t c = 0; c < 3; ++c) {
         const double e = exposure * color[4 * i + c];
@@ -189,8 +195,7 @@ void multiply(float& value, float factor) {
 }
 
 /// Multiplies the restorable part of the estimate and of its additive AOVs by the factors, interpolated
-/// between the blocks' centres. Calls `use(y, i, allowed)` for each pixel i of row y that is done, on all
-/// threads.
+/// between the blocks' centres. Calls `use(y)` for each row that is done, on all threads.
 template <class Use>
 void apply(const BlockGrid& grid, const Restorable& restorable, Estimate& estimate, const Use& use) {
   const int width = estimate.color.width();
@@ -203,18 +208,18 @@ void apply(const BlockGrid& grid, const Restorable& restorable, Estimate& estima
     for (int x = 0; x < grid.width; ++x) {
       for (std::size_t c = 0; c < 3; ++c) along[x][c] = factor_between(grid, {double(x), grid.width}, row, c);
     }
+    const std::vector<double> weights = restorable.weights(row_of(estimate.color, y));
     restorable.for_row(y, [&](std::size_t x, const Allowance& allowed) {
       const std::size_t i = static_cast<std::size_t>(y) * width + x;
       const Between& column = columns[x];
-      const double weight = restorable.weight(estimate.color.data().subspan(4 * i, 3));
       for (std::size_t c = 0; c < 3; ++c) {
         const double of_block = mix(along[column.low][c], along[column.high][c], column.share);
-        const auto factor = static_cast<float>(allowed.factor(of_block, weight));
+        const auto factor = static_cast<float>(allowed.factor(of_block, weights[x]));
         multiply(estimate.color.data()[4 * i + c], factor);
         for (Image& image : estimate.carried) multiply(image.data()[4 * i + c], factor);
       }
-      use(y, i, allowed);
     });
+    use(y);
   };
   for_rows(estimate.color.height(), [&](int begin, int end) {
     for (int y = begin; y < end; ++y) scale_row(y);
@@ -254,12 +259,14 @@ struct Remainder {
 void add_pixel(const NewFrame& frame, const Estimate& estimate, std::size_t i, double share, Remainder& sum) {
   if (!both_have_data(frame, estimate, i)) return;
   const double exposure = frame.exposure;
+  double residual = 0.0;
   for (std::size_t c = 0; c < 3; ++c) {
     const double e = exposure * estimate.color.data()[4 * i + c];
     sum.estimate[c] += e;
     sum.restorable[c] += share * e;
-    sum.residual += exposure * exposure * residual_square(frame, estimate, i, c) / 3.0;
+    residual += residual_square(frame, estimate, i, c);
   }
+  sum.residual += exposure * exposure * residual / 3.0;
 }
 
 /// Changes the mean of the estimate towards that of the noisy frame. `whole` is the coarsest block, with the
@@ -279,7 +286,7 @@ void restore_whole(Block whole, const Remainder& left, const Restorable& restora
   bring_to_frame(whole, noise > 0.0 ? noise * (noise / (noise + unseen)) : 0.0, kUnseen);
   BlockGrid one(1, 1, kFinestBlock);
   one.blocks = {whole};
-  apply(one, restorable, estimate, [](int, std::size_t, const Allowance&) {});
+  apply(one, restorable, estimate, [](int) {});
 }
 
 }  // namespace
@@ -293,9 +300,12 @@ void restore_energy(const NewFrame& frame, const FilterTask& task, Estimate& est
     find_factors(levels[l], l + 1 < levels.size() ? &levels[l + 1] : nullptr);
   }
   std::vector<Remainder> rows(static_cast<std::size_t>(estimate.color.height()));
-  apply(levels.front(), restorable, estimate, [&](int y, std::size_t i, const Allowance& allowed) {
-    const double share = allowed.share * restorable.weight(estimate.color.data().subspan(4 * i, 3));
-    add_pixel(frame, estimate, i, share, rows[static_cast<std::size_t>(y)]);
+  apply(levels.front(), restorable, estimate, [&](int y) {
+    const std::vector<double> weights = restorable.weights(row_of(estimate.color, y));
+    restorable.for_row(y, [&](std::size_t x, const Allowance& allowed) {
+      const std::size_t i = weights.size() * static_cast<std::size_t>(y) + x;
+      add_pixel(frame, estimate, i, allowed.share * weights[x], rows[static_cast<std::size_t>(y)]);
+    });
   });
   Remainder left;
   for (const Remainder& row : rows) left += row;

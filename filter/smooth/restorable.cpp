@@ -92,6 +92,11 @@ void find_shares(const RowsOfSquares& squares, int y, std::span<float> shares) {
   }
 }
 
+/// Without negative values and NaN.
+double brightness(const float* rgb) {
+  return (std::max(0.0, double(rgb[0])) + std::max(0.0, double(rgb[1])) + std::max(0.0, double(rgb[2]))) / 3.0;
+}
+
 }  // namespace
 
 Restorable::Restorable(const NewFrame& frame, const Estimate& estimate)
@@ -118,6 +123,17 @@ Restorable::Restorable(const NewFrame& frame, const Estimate& estimate)
   mean_brightness_ = mean_of_noisy(frame, estimate);
 }
 
+std::vector<double> Restorable::weights(std::span<const float> rgba) const {
+  std::vector<double> weights(rgba.size() / 4, 1.0);
+  if (!(mean_brightness_ > 0.0)) return weights;
+  const double scale = 1.0 / mean_brightness_;
+  for (std::size_t x = 0; x < weights.size(); ++x) {
+    const double root = std::sqrt(std::min(scale * brightness(&rgba[4 * x]), kBrightest));
+    weights[x] = root * std::sqrt(root);
+  }
+  return weights;
+}
+
 double Restorable::mean_of_noisy(const NewFrame& frame, const Estimate& estimate) const {
   struct Sum {
     double light = 0.0;
@@ -129,7 +145,7 @@ double Restorable::mean_of_noisy(const NewFrame& frame, const Estimate& estimate
     Sum& row = rows[static_cast<std::size_t>(y)];
     for (std::size_t i = y * width; i < (y + 1) * width; ++i) {
       if (!both_have_data(frame, estimate, i)) continue;
-      row.light += share_of_pixel_[i] * brightness(estimate.color.data().subspan(4 * i, 3));
+      row.light += share_of_pixel_[i] * brightness(&estimate.color.data()[4 * i]);
       row.share += share_of_pixel_[i];
     }
   });

@@ -34,7 +34,7 @@ struct Allowance {
   double darker = 0.0;    ///< largest relative change
   double brighter = 0.0;  ///< likewise
 
-  /// `weight`: Restorable::weight of the pixel.
+  /// `weight`: of the pixel, of Restorable::weights.
   double factor(double of_block, double weight) const {
     return 1.0 + std::clamp(std::min(share, of_pixel) * weight * (of_block - 1.0), -darker, brighter);
   }
@@ -60,12 +60,9 @@ class Restorable {
  public:
   Restorable(const NewFrame& frame, const Estimate& estimate);
 
-  /// How much a pixel of that colour is changed, relative to one as bright as noisy pixels are on average.
-  double weight(std::span<const float> rgb) const {
-    if (!(mean_brightness_ > 0.0)) return 1.0;
-    const double root = std::sqrt(std::min(brightness(rgb) / mean_brightness_, kBrightest));
-    return root * std::sqrt(root);
-  }
+  /// How much each pixel of a row is changed, relative to one as bright as noisy pixels are on average.
+  /// `rgba`: of the row.
+  std::vector<double> weights(std::span<const float> rgba) const;
 
   /// Calls set(x, allowed) for the pixels of a row.
   template <class Set>
@@ -91,12 +88,6 @@ class Restorable {
   /// finite where a lamp is brighter than all else by any factor.
   static constexpr double kBrightest = 256.0;
 
-  /// Without negative values and NaN.
-  static double brightness(std::span<const float> rgb) {
-    double sum = 0.0;
-    for (const float value : rgb) sum += std::max(0.0, double(value));
-    return sum / 3.0;
-  }
   double mean_of_noisy(const NewFrame& frame, const Estimate& estimate) const;
 
   /// A pixel's position between the centres of cells.
