@@ -21,6 +21,7 @@
 #include "frame/io/jitter_text.h"
 #include "frame/io/printable.h"
 #include "frame/io/read_error.h"
+#include "frame/io/samples.h"
 #include "frame/io/stereo_text.h"
 #include "frame/io/stripe.h"
 
@@ -64,23 +65,21 @@ float value_of_nothing(Aov aov) {
   return 0.0f;
 }
 
-/// Copies what the lines first..last of the plane and the frame's window have in common. The plane's samples
-/// are of type T.
-template <class T>
+/// Copies what the lines first..last of the plane and the frame's window have in common.
 void copy_lines(const Stripe::Plane& plane, const Imath::Box2i& lines, int first, int last,
                 const Target& target) {
   const Imath::Box2i& frame_window = target.window;
-  const int x_begin = std::max(lines.min.x, frame_window.min.x);
-  const int x_end = std::min(lines.max.x, frame_window.max.x) + 1;
+  const int begin = std::max(lines.min.x, frame_window.min.x);
+  const int end = std::min(lines.max.x, frame_window.max.x) + 1;
+  if (begin >= end) return;
+  std::vector<float> values(static_cast<std::size_t>(end - begin));
   for (int y = std::max(first, frame_window.min.y); y <= std::min(last, frame_window.max.y); ++y) {
     const std::size_t row = static_cast<std::size_t>(y - lines.min.y) * width_of(lines);
-    for (int x = x_begin; x < x_end; ++x) {
-      T sample;
-      std::memcpy(&sample, &plane.bytes[(row + (x - lines.min.x)) * sizeof sample], sizeof sample);
-      auto value = static_cast<float>(sample);
-      if (target.squared) value *= value;
-      target.image->at(x - frame_window.min.x, y - frame_window.min.y, target.channel) = value * target.scale;
-    }
+    from_samples(plane.type, &plane.bytes[(row + (begin - lines.min.x)) * size_of(plane.type)], values);
+    if (target.squared) std::ranges::transform(values, values, values.begin(), std::multiplies<>());
+    float* to = &target.image->at(begin - frame_window.min.x, y - frame_window.min.y, target.channel);
+    const int channels = target.image->channels();
+    for (std::size_t x = 0; x < values.size(); ++x) to[x * channels] = values[x] * target.scale;
   }
 }
 
@@ -88,10 +87,7 @@ void copy_to_targets(const Stripe& stripe, int first, int last, const TargetsByC
   for (const Stripe::Plane& plane : stripe.planes()) {
     const auto found = targets.find(plane.channel);
     if (found == targets.end()) continue;
-    const auto copy = plane.type == Imf::HALF   ? copy_lines<Imath::half>
-                      : plane.type == Imf::UINT ? copy_lines<std::uint32_t>
-                                                : copy_lines<float>;
-    for (const Target& target : found->second) copy(plane, stripe.lines(), first, last, target);
+    for (const Target& target : found->second) copy_lines(plane, stripe.lines(), first, last, target);
   }
 }
 

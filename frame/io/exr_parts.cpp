@@ -15,12 +15,12 @@
 
 #include <algorithm>
 #include <cassert>
-#include <cmath>
 #include <cstring>
 
 #include "frame/error.h"
 #include "frame/io/atomic_file.h"
 #include "frame/io/exr_file.h"
+#include "frame/io/samples.h"
 #include "frame/io/stripe.h"
 
 namespace becalm::io {
@@ -41,46 +41,16 @@ class AtomicStream : public Imf::OStream {
   AtomicFile file_;
 };
 
-template <class T>
-void store(char* to, T value) {
-  std::memcpy(to, &value, sizeof value);
-}
-
-Imath::half to_half(float value, std::size_t& overflows) {
-  if (std::isfinite(value) && std::abs(value) > HALF_MAX) {
-    ++overflows;
-    value = std::copysign(HALF_MAX, value);
-  }
-  return Imath::half(value);
-}
-
-std::uint32_t to_uint(float value) {
-  constexpr double largest = 4294967295.0;
-  return std::isnan(value) ? 0u
-                           : static_cast<std::uint32_t>(std::clamp<double>(std::round(value), 0.0, largest));
-}
-
 /// Converts a window of the file to the plane's type.
 void convert(const FrameChannel& from, const Imath::Box2i& window, Stripe::Plane& plane,
              WriteReport& report) {
+  std::vector<float> values(static_cast<std::size_t>(window.max.x - window.min.x + 1));
+  const std::size_t channels = static_cast<std::size_t>(from.image->channels());
   char* to = plane.bytes.data();
-  for (int y = window.min.y; y <= window.max.y; ++y) {
-    for (int x = window.min.x; x <= window.max.x; ++x) {
-      const float value = from.image->at(x - from.origin.x, y - from.origin.y, from.channel);
-      switch (plane.type) {
-        case Imf::HALF:
-          store(to, to_half(value, report.half_overflows).bits());
-          to += 2;
-          break;
-        case Imf::UINT:
-          store(to, to_uint(value));
-          to += 4;
-          break;
-        default:
-          store(to, value);
-          to += 4;
-      }
-    }
+  for (int y = window.min.y; y <= window.max.y; ++y, to += values.size() * size_of(plane.type)) {
+    const float* row = &from.image->pixel(window.min.x - from.origin.x, y - from.origin.y)[from.channel];
+    for (std::size_t x = 0; x < values.size(); ++x) values[x] = row[x * channels];
+    report.half_overflows += to_samples(plane.type, values, to);
   }
 }
 
@@ -167,16 +137,13 @@ Stripe planes_of(const Imf::Header& header) {
   return stripe;
 }
 
-void multiply(char* value, Imf::PixelType type, float factor, WriteReport& report) {
-  if (type == Imf::HALF) {
-    Imath::half half;
-    std::memcpy(&half, value, sizeof half);
-    store(value, to_half(factor * half, report.half_overflows).bits());
-  } else if (type == Imf::FLOAT) {
-    float number;
-    std::memcpy(&number, value, sizeof number);
-    store(value, factor * number);
-  }
+/// Whole numbers stay.
+void multiply(char* sample, Imf::PixelType type, float factor, WriteReport& report) {
+  if (type == Imf::UINT) return;
+  float value = 0.0f;
+  from_samples(type, sample, {&value, 1});
+  value *= factor;
+  report.half_overflows += to_samples(type, {&value, 1}, sample);
 }
 
 }  // namespace
