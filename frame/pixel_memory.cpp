@@ -8,10 +8,10 @@
 namespace becalm {
 namespace {
 
-/// A channel of 256 lines of 1024 halves, as files are read and written, is of half of a MiB.
+/// 256 lines of 512 halves, as channels are read and written.
 constexpr std::size_t kLarge = std::size_t{1} << 18;
-/// As many layers, and channels of files, as the steps of a few frames give back.
-constexpr std::size_t kMostKept = 128;
+/// More than the channels of a file with many lobes and mattes, which would push the layers out.
+constexpr std::size_t kMostKept = 1024;
 /// Layers of 4 channels of floats of 1920x1080 pixels are 32 MiB each.
 constexpr std::size_t kMostKeptBytes = std::size_t{1} << 30;
 

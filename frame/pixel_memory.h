@@ -5,8 +5,9 @@
 
 namespace becalm {
 
-/// Memory for an image's pixels. Memory of large images that are gone is kept for the next image of the same
-/// size: the system hands out fresh memory page by page, which takes longer than filling it.
+/// Memory for the pixels of an image or of a file's channel. Blocks of 256 KiB and more that are given back
+/// are kept for the next of the same size: the system hands out fresh memory page by page, which takes longer
+/// than filling it.
 void* take_pixel_memory(std::size_t bytes);
 void give_back_pixel_memory(void* memory, std::size_t bytes);
 

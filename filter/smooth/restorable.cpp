@@ -94,7 +94,8 @@ void find_shares(const RowsOfSquares& squares, int y, std::span<float> shares) {
 
 /// Without negative values and NaN.
 double brightness(const float* rgb) {
-  return (std::max(0.0, double(rgb[0])) + std::max(0.0, double(rgb[1])) + std::max(0.0, double(rgb[2]))) / 3.0;
+  const auto light = [&](std::size_t c) { return std::max(0.0, double(rgb[c])); };
+  return (light(0) + light(1) + light(2)) / 3.0;
 }
 
 }  // namespace

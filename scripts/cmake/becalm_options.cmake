@@ -21,8 +21,8 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   target_compile_options(becalm_options INTERFACE -march=x86-64-v2)
 endif()
 target_compile_options(becalm_options INTERFACE -ffp-contract=off)
-# Nothing reads errno or floating-point flags; with neither to keep, roots take one instruction, and loops over pixels, corners and
-# choices vectorise. Values do not change.
+# Nothing reads the errno of mathematical functions, or floating-point flags; with neither to keep, roots take one instruction, and
+# loops over pixels, corners and choices vectorise. Values do not change.
 target_compile_options(becalm_options INTERFACE -fno-math-errno -fno-trapping-math)
 if(CMAKE_BUILD_TYPE STREQUAL "Debug")
   # The debug preset runs all unit tests; -Og makes them faster and still lets a debugger step through them.

@@ -61,6 +61,21 @@ TEST_F(ExrRead, RefusesADataWindowBesideTheSequences) {
   }
 }
 
+// Of a large image, which takes the memory of the one before it.
+TEST_F(ExrRead, BeyondTheWindowOfAPartIsWhatIsWhereNothingIsHit) {
+  const Imath::Box2i all = window(0, 0, 300, 300);
+  for (const Imath::Box2i& covered : {window(0, 0, 200, 250), window(100, 50, 200, 250)}) {
+    write_test_file(path_,
+                    {scanline_part(covered, joined({kColour, layer_channels("albedo", {"R", "G", "B"})}))});
+    { const Image gone(300, 300, 3, 7.0f); }
+    const Frame frame = read_exr(path_, 1, all_aovs(), {}, LightGroups::leave, all).frame;
+    for (const Imath::V2i& at : {all.min, covered.min, covered.max, all.max}) {
+      const float expected = covered.intersects(at) ? test_value("albedo.G", at.x, at.y) : 1.0f;
+      EXPECT_EQ(frame.image(Aov::albedo).at(at.x, at.y, 1), expected) << at;
+    }
+  }
+}
+
 TEST_F(ExrRead, TiledMippedAndDecreasingLines) {
   write_test_file(path_, {tiled_part(window(-7, -9, 45, 300), kColour, 16, 24)});
   expect_colour(read_exr(path_, 1, {}).frame, -7, -9);
