@@ -42,8 +42,8 @@ struct Figure {
 /// relMSE, PSNR, SSIM, FLIP, temporal error and energy, in the order of the printed table.
 extern const std::array<Figure, 6> kFigures;
 
-/// The temporal error of a frame that follows no other is not a value. NaN in other figures is one, and
-/// fails.
+/// Whether the figure was measured: false only for a temporal error that is NaN, as that of a first frame is.
+/// NaN in another figure means that no pixel was finite; it counts as a value and is beyond every limit.
 bool has_value(const Figure& figure, const FrameFigures& figures);
 
 /// Whether the value is beyond the limit, which NaN is: no pixel was finite.

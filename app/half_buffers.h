@@ -8,8 +8,9 @@
 
 namespace becalm::app {
 
-/// Sequences that hold one half of the samples each, as Altus renders them: `shot.b0.####.exr` beside
-/// `shot.b1.####.exr`. Of `first`, the other one, if any file of it is on disk.
+/// The sequence with the other half of the samples, by Altus' names: `shot.b1.####.exr` for
+/// `shot.b0.####.exr`, and the reverse. Nothing if `first` is not named so or no file of the other is on
+/// disk.
 std::optional<io::SequencePattern> find_other_half(const io::SequencePattern& first);
 
 /// Makes one frame of two halves: beauty, albedo, normal and additive AOVs are the halves' means, half_a and

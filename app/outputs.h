@@ -20,7 +20,7 @@ bool is_exr_name(const std::string& name);
 /// The attribute by which a file tells the command that wrote it.
 inline constexpr const char* kCommandAttribute = "becalm:command";
 
-/// The attributes of a frame that depends on its number, which `becalm:frame` tells.
+/// Adds `becalm:frame`, the frame's number, to the attributes of a file whose content depends on it.
 io::Attributes of_frame(io::Attributes attributes, int frame);
 
 /// What tells the files of one command from others.

@@ -29,7 +29,7 @@ class RenderSchedule {
  private:
   const FilterStage& filter_;
   std::vector<int> readable_;
-  int step_;  ///< between frame numbers further apart, frames are missing
+  int step_;  ///< largest distance of frame numbers across which history is kept
 };
 
 }  // namespace becalm::app

@@ -8,7 +8,7 @@
 
 namespace becalm::app {
 
-/// By what a file is recognised that the same kind of report may replace.
+/// The kinds of reports. A report replaces an existing file only if that is empty or a report of its kind.
 enum class ReportKind { test_junit, test_json, test_page, compare_json, compare_page, compare_picture };
 
 /// A report that an option asked for. `-`, `/dev/stdout` and other names of the file behind it are standard
@@ -19,8 +19,8 @@ struct ReportFile {
   ReportKind kind;
 };
 
-/// Where a command's own lines go: standard output, unless `-` gives that to a report, for a program that
-/// reads it.
+/// The stream for a command's own lines: standard error if the path of a report is `-`, since a program may
+/// read that report from standard output; else standard output.
 std::FILE* stream_beside(const std::vector<ReportFile>& reports);
 
 /// A file of --report.

@@ -20,9 +20,9 @@ std::string noisy_pattern(const std::string& keep_noisy, const std::string& outp
 /// Removes a file that nothing reads any more. If that fails, a warning for the user.
 std::optional<std::string> remove_scratch_file(const std::string& path);
 
-/// Removes what runs that asked for other frames have left under such names, if this run has locked the first
-/// or the last of their outputs: they do not live any more. Of the others the name does not tell which they
-/// were. `readable` are the frames that may have such files.
+/// Removes scratch files that runs for other frames have left. A file's name tells the first and the last
+/// frame of its run; if this run has locked the output of one of the two, that run has ended, and the file is
+/// removed. Other runs' files stay. `readable` are the frames that may have such files.
 void remove_abandoned_scratch(const std::string& output, Eye first, const Outputs& locked,
                               const std::vector<int>& readable);
 

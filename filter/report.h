@@ -14,8 +14,9 @@ namespace becalm::filter {
 struct FrameReport {
   /// Pixels with NaN or Inf in the beauty, which are passed through unchanged.
   std::size_t non_finite_pixels = 0;
-  /// Pixels with NaN or Inf in a guide that is used (albedo, normal, depth), where Inf is no depth's "nothing
-  /// hit"; the values are replaced as host_images.h has it.
+  /// Pixels with NaN or Inf in a guide that is used (albedo, normal, depth), except for infinite depths,
+  /// which mean that nothing was hit. Counted in wanted forward steps; input/host_images.h says what replaces
+  /// them.
   std::size_t non_finite_guides = 0;
   /// Variances that were negative or not finite, replaced by the squared luminance (100 % noise).
   std::size_t replaced_variances = 0;
@@ -23,7 +24,7 @@ struct FrameReport {
   std::size_t replaced_additive = 0;
   /// Pixels whose motion exceeds motion_limit_px and is ignored.
   std::size_t far_motions = 0;
-  /// Of input/noise_ratio.h.
+  /// The frame's noise_ratio() (input/noise_ratio.h); 1 if the filter does not smooth.
   float noise_ratio = 1.0f;
   /// A cut was found between this frame and the previous one in this direction.
   bool new_shot = false;

@@ -22,8 +22,8 @@ struct LightGroup {
   Image radiance;  ///< RGB
 };
 
-/// Where a frame was cut in the middle of what is opaque: outside of the window radiance is NaN in so many
-/// pixels, and that is no fault.
+/// A data window that cuts through opaque content. Radiance outside of it is unknown beside opaque pixels:
+/// `unknown_pixels` pixels are NaN there, and do not count as faulty.
 struct Cut {
   Imath::Box2i window;  ///< in the frame's pixels
   std::size_t unknown_pixels = 0;

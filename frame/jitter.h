@@ -22,8 +22,9 @@ inline double blackman_harris_window(double t) {
          0.01168 * std::cos(3.0 * phase);
 }
 
-/// Where in their pixels the samples of a frame lie, if that is the same in all pixels, as temporal
-/// antialiasing asks for. Samples weigh alike: their positions over many frames have the filter as density.
+/// The positions of a frame's samples within their pixels, if they are the same in all pixels, as temporal
+/// antialiasing needs them. Samples have equal weights; over many frames, the filter is the density of their
+/// positions.
 struct FrameJitter {
   std::vector<Imath::V2f> positions_px;  ///< from the pixel's centre, +x right, +y down; one a sample
   FilterShape filter = FilterShape::blackman_harris;

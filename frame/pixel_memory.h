@@ -7,7 +7,8 @@ namespace becalm {
 
 /// Memory for the pixels of an image or of a file's channel. Blocks of 256 KiB and more that are given back
 /// are kept for the next of the same size: the system hands out fresh memory page by page, which takes longer
-/// than filling it.
+/// than filling it. The memory is not cleared. Throws std::bad_alloc. May be called from any thread; `bytes`
+/// is the same in both calls.
 void* take_pixel_memory(std::size_t bytes);
 void give_back_pixel_memory(void* memory, std::size_t bytes);
 

@@ -8,10 +8,11 @@
 
 namespace becalm::app {
 
-/// Runs a case with the seeds from the source's on, and proposes limits that a further seed passes but for
-/// the case's false-alarm rate, shared by its limits: lines for people, the last ones a "judged_by" to copy.
-/// Logarithms of errors count as normally distributed, and the limit is the bound of Student's prediction
-/// interval. Throws Error(bad_input) where a run could not be judged, and Error(interrupted).
+/// Runs a case with `seeds` consecutive seeds, the source's first, and proposes limits: the probability that
+/// one more seed exceeds any of them is the case's false-alarm rate, split among the limits. Returns lines
+/// for people; the last one, if there are limits, is a "judged_by" to copy. Logarithms of errors count as
+/// normally distributed, and a limit is the bound of Student's prediction interval. Throws Error(bad_input)
+/// if a run could not be judged, and Error(interrupted).
 std::vector<std::string> calibrate(const TestCase& test, int seeds, const WorkFolder& folder, int threads,
                                    bool reproducible);
 

@@ -93,8 +93,9 @@ struct TestCase {
 /// References of each frame.
 int reference_count(const TestCase& test);
 
-/// Samples per pixel of each: if the case does not say, 16 times the source's; as many as the source's with
-/// `exact`, with `denoised`, whose filter would else see two kinds of noise, and of a command without {spp}.
+/// Samples per pixel of each reference: what the case says; else those of the source if the case is judged
+/// `exact`, or `denoised`, whose filter would otherwise see two noise levels, or if the references' command
+/// has no {spp}; else 16 times those, tracer::kMostSamples at most.
 int reference_spp(const TestCase& test);
 
 /// The cases of suite files, or of all `*.json` of a folder, in the order of files and names. Suites of one

@@ -16,9 +16,9 @@ struct SuiteRunOptions {
   bool reproducible = false;  ///< the cases of scenes, by becalm's --reproducible
 };
 
-/// Runs the cases. `ended` is told each as it ends, one at a time. Once becalm is asked to stop, with
-/// fail_fast after the first that did not pass, or after an exception, which is thrown again at the end, the
-/// others are skipped.
+/// Runs the cases and calls `ended` with each result, one call at a time. Skips the remaining cases once
+/// becalm is asked to stop, after the first that did not pass if `fail_fast`, and after an exception, which
+/// is thrown again at the end.
 TestResults run_cases(const std::vector<TestCase>& cases, const WorkFolder& folder,
                       const SuiteRunOptions& options, const std::function<void(const CaseResult&)>& ended);
 

@@ -20,9 +20,10 @@ struct AntialiasTask {
   AovSet used;               ///< AOVs that are read besides the beauty
   AovSet diagnostics;        ///< diagnostic AOVs in the results
 
-  /// Whether samples and pixels are not of one grid, or not all pixels have samples.
+  /// Whether samples are sparser than the results' pixels: with a scale, or of a checkerboard.
   bool is_sparse() const { return settings.checkerboard || !settings.scale.is_one(); }
-  /// Whether pixels are made by the places of samples: sparse ones have no other way to more pixels.
+  /// Whether the samples' positions within their pixels are used. With sparse samples they always are: the
+  /// pixels between samples are reconstructed from positions.
   bool uses_places() const { return is_sparse() || settings.reconstruct; }
   /// Of the results' first pixel: Scale::rounding.
   Imath::V2f edge() const {
@@ -63,7 +64,8 @@ struct AntialiasChain {
   gpu::History color;
   gpu::History stats;
   WarpedHistory warped;
-  /// f32x4: rejected share; squared bias; weight of the new frame; what it is worth in frames.
+  /// f32x4: rejected share of the history; its squared bias; weight of the new frame; confidence of the new
+  /// frame's pixel, in frames: 1 where samples are not sparse.
   gpu::ImageId decision;
   std::optional<gpu::ImageId> rectified;  ///< f32x4: the warped history, if it is rectified and predicts
   gpu::ImageId offset;                    ///< f32x2: of the history

@@ -14,14 +14,17 @@ namespace becalm::filter {
 /// where they are unknown; or vectors where known, else the search.
 enum class Reproject { search, vectors, known };
 
-/// The weight of the new sample: constant; the gain of Philippi et al. 2022 (eq. 4, 10 and 11); or that gain
-/// with the variance of the pixels around it, 1/n of it for a history of n frames. The values are those of
-/// shaders/antialias/accumulate.comp.
+/// The weight of the new sample: constant; the gain of Philippi et al. 2022 (eq. 4, 10 and 11); or the gain
+/// of eq. 4 with the mean variance v of the new pixels around it, and v / n for a history of n frames. The
+/// values are those of shaders/antialias/accumulate.comp.
 enum class Accumulate { exponential = 0, gain = 1, variance = 2 };
 
 /// How the history is brought within the bounds of the new frame's 3x3 pixels: not at all; or channel by
 /// channel.
 enum class Rectify { none, clamp };
+
+/// These bounds, of each channel: the least and the largest value of the samples around, or their mean minus
+/// and plus one standard deviation.
 enum class Bounds { extremes, deviation };
 
 /// The settings of temporal antialiasing. One table (antialias_settings.cpp) holds their names, ranges and

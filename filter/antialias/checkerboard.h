@@ -7,11 +7,11 @@
 
 namespace becalm::filter {
 
-/// Throws Error(bad_input) for a frame that does not tell its pixels.
+/// Throws Error(bad_input) unless the frame says which of its pixels hold samples (Frame::checkerboard).
 void require_checkerboard(const Frame& frame);
 
-/// Gives pixels without samples the AOVs, but for the beauty, of a neighbour: of the closest, if there is
-/// depth.
+/// Copies all AOVs but the beauty to pixels without samples, each from one of its four neighbours: the one of
+/// least depth, if there is depth.
 void fill_holes(Frame& frame, Parity parity);
 
 /// Marks pixels without samples as 0, in rows of `width`.

@@ -25,9 +25,9 @@ SampleGrid sample_grid(const std::optional<FrameJitter>& jitter);
 /// How samples lie around the pixels of an image of another size, or of one of which only some pixels have
 /// samples, along both axes.
 struct SparseGrid {
-  /// 8 values for each column or row of the scaled image: the index of the nearest sample along the axis; the
-  /// weights of the scaled image's pixel filter at the sample before it, at itself and at the next; 0; and
-  /// the same three weights of a wide filter that reaches a sample everywhere.
+  /// Two rows of one f32x4 for each column or row of the scaled image. First row: index of the nearest sample
+  /// along the axis; weights of the scaled image's pixel filter at the sample before it, at itself and at the
+  /// next. Second row: 0; the same three weights of a wide filter, under which every pixel has a sample.
   std::vector<float> columns;
   std::vector<float> rows;
   Imath::V2f position_px{0.0f, 0.0f};  ///< of the samples in their pixels, on average

@@ -19,7 +19,8 @@ struct BurstTask {
   int block = 2;     ///< side of the blocks that are matched, a multiple of cfa.block()
 };
 
-/// What a frame's samples mean, against the reference's; the order is that of shaders/lib/mosaic.glsl.
+/// Noise models and saturation values of the reference and of a frame, in the order of
+/// shaders/lib/mosaic.glsl.
 using Levels = std::array<float, 6>;
 
 /// The search for a frame's offsets from the reference, on blocks of whole mosaics.

@@ -14,11 +14,11 @@ namespace becalm::filter {
 /// The aligner's settings for bursts: distance l1, patches that grow with the resolution as noise asks for.
 Settings burst_aligner_settings();
 
-/// A frame of a burst. Its samples are in the reference's exposure.
+/// A frame of a burst, whose mosaic is scaled to the reference's exposure.
 struct BurstFrame {
-  const Image& samples;
-  NoiseModel noise;
-  float saturated = 1.0f;  ///< samples from this value on are
+  const Image& samples;    ///< one channel, of the merger's size; 0 is black
+  NoiseModel noise;        ///< of the scaled samples
+  float saturated = 1.0f;  ///< samples of this value or more are saturated
 };
 
 /// Merges the mosaics of a burst into one of them, frame by frame (Hanika et al. 2021, section 4): memory
@@ -42,8 +42,8 @@ class BurstMerger {
 
   /// The mosaic so far.
   Image merged() const;
-  /// The sum of the frames' weights, averaged over pixels, where the reference has 1: the reference's
-  /// variance over the result's.
+  /// The sum of all frames' weights, the reference's being 1, averaged over pixels: by what factor the merge
+  /// lowers the variance of the reference.
   double mean_weight() const;
   FilterMemory memory() const;
 

@@ -15,6 +15,7 @@ struct GlobalMotion {
   /// dy = p3 + p4 x + p5 y + p6 x y + p7 y^2.
   std::array<double, 8> p{};
 
+  /// Of pixel (x, y) of features of this size, in their pixels.
   Imath::V2d offset(int x, int y, int width, int height) const;
 };
 

@@ -176,6 +176,7 @@ class Chain {
   ImageId input(std::string name, Format format, Extent extent);
   /// An input that passes read anywhere and that is the same for all tiles, such as weights or the exposure.
   ImageId table(std::string name, Format format, Extent extent);
+  /// Two images, `name`.prev and `name`.next, that swap after each run.
   History history(const std::string& name, Format format, Extent extent);
   /// Makes an image downloadable after a run, with the values of its last writer. `pixel_px` is the side of
   /// its pixel in pixels of the frame.
@@ -198,8 +199,9 @@ class Chain {
   /// Plans, unless that has been done, allocates memory and creates the objects that runs need.
   void build();
 
-  /// Host memory of an input. Until the run, no other chain of the device may be built, destroyed, uploaded
-  /// to, or run, tables apart: a table keeps its values.
+  /// Host memory of an input, to be filled before each run. If another chain of the device is built,
+  /// destroyed, run or uploaded to before that run, the values may be lost, and run() throws. Tables keep
+  /// their values, and uploading to them disturbs no other chain.
   template <class T>
   std::span<T> upload(ImageId image) {
     auto bytes = upload_bytes(image);
@@ -209,8 +211,8 @@ class Chain {
   /// uploaded for this run, if a run that failed has overwritten the history, if the device is lost, and for
   /// validation messages.
   void run();
-  /// An output's pixels, until a chain of the device is built, destroyed, uploaded to, tables apart, or run.
-  /// Throws DeviceError after that.
+  /// An output's pixels. They are valid until any chain of the device is built, destroyed, run, or uploaded
+  /// to (except to tables); after that, throws DeviceError.
   template <class T>
   std::span<const T> download(ImageId image) const {
     auto bytes = download_bytes(image);

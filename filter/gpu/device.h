@@ -34,8 +34,8 @@ struct DeviceInfo {
   std::string type;           ///< "discrete GPU", "integrated GPU", "virtual GPU", "software", "other"
   bool is_processor = false;  ///< a software device: it uses the host's cores and memory
   std::string driver;
-  std::uint64_t memory_bytes = 0;
-  std::uint64_t max_storage_buffer_bytes = 0;
+  std::uint64_t memory_bytes = 0;              ///< size of the largest device-local heap, in use or not
+  std::uint64_t max_storage_buffer_bytes = 0;  ///< largest range of a storage buffer in one binding
   std::uint64_t max_texel_buffer_elements = 0;
 };
 

@@ -15,7 +15,7 @@ namespace becalm::filter {
 
 /// One entry per pixel: 1 if all channels of the beauty are finite, else 0.
 std::vector<std::uint8_t> finite_pixels(const Image& beauty);
-/// How many of the frame's pixels are not finite, but for those where it was cut.
+/// Number of the frame's pixels that are not finite, without those outside of its cut (Frame::cut).
 std::size_t count_non_finite(const std::vector<std::uint8_t>& finite, const Frame& frame);
 
 /// How many of the frame's pixels have a value in one of the guides of `used` (albedo, normal, depth) that is
@@ -64,10 +64,10 @@ void pack_motion(const Image& motion, const Rect& rect, float limit_px, std::spa
 /// Number of pixels with a finite motion that has a component beyond the limit.
 std::size_t count_far_motions(const Image& motion, float limit_px);
 
-/// The factor that brings a frame into a known range: 1 / geometric mean of the finite luminances above a
-/// millionth of their mean over all pixels, within [1e-15, 1e15]. Fainter ones, traces of light on black,
-/// would dominate it; for their mean, luminances far above the largest usual one (kFirefly) count as that. 1
-/// for a black frame.
+/// The factor that brings a frame into a known range: 1 / geometric mean of the finite luminances of at least
+/// a millionth of their arithmetic mean over all pixels, within [1e-15, 1e15]; 1 for a black frame. Fainter
+/// luminances, traces of light on black, would dominate the geometric mean. In the arithmetic mean, fireflies
+/// are limited to about 2^20 times the largest usual luminance (Exponents::largest_usual).
 float exposure(const Image& beauty);
 
 }  // namespace becalm::filter

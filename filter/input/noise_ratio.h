@@ -10,9 +10,10 @@ namespace becalm::filter {
 /// "Filter importance sampling"). 1 also for frames of fewer than 64 blocks of 16x16 pixels with noise.
 /// `used`: whether the radiance is divided by albedo before.
 ///
-/// Detail raises the ratio as well, but not everywhere, and the pixel filter is the same everywhere: what
-/// counts is the ratio that a tenth of all blocks stay below. In frames that are detail everywhere, taps at
-/// distance 4 tell: of detail their differences are larger than those at distance 2, of noise they are not.
+/// Detail raises a block's ratio as well, but not in all blocks, whereas the pixel filter is the same in all:
+/// the result is the ratio that a tenth of the blocks stay below. Frames with detail in all blocks are
+/// recognised by taps at distance 4: if their squared differences are more than 1.5 times those at distance
+/// 2, which noise does not reach, the ratio is lowered.
 float noise_ratio(const Frame& frame, const AovSet& used);
 
 /// Ratios from which results have about twice the error of those of independent noise. Of 54 noisy frames of

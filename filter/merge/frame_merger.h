@@ -12,7 +12,8 @@
 
 namespace becalm::filter {
 
-/// Results of merging a new frame. An empty image is not wanted.
+/// Results of merging a new frame. The caller allocates the images that it wants, of the frame's size; those
+/// that are empty are not made.
 struct MergedFrame {
   Estimate merged;  ///< history and new frame, merged
   /// The history alone, warped to the new frame. Its variance includes the squared bias estimated against

@@ -14,7 +14,7 @@ struct MergeStatistics {
   gpu::ImageId noise;
 };
 
-/// Where the variance of a frame is that is not smoothed.
+/// The image, and its channel, that hold the variance of a frame before smoothing.
 struct NoisyVariance {
   gpu::ImageId image;
   int channel = 0;
@@ -26,8 +26,8 @@ struct FrameToCompare {
   gpu::ImageId variance;  ///< f32x2, as MergeInputs::variance
   gpu::ImageId exposure;  ///< f32, 1x1
   bool smoothed = false;  ///< its variance is the error that the smoother expects
-  /// Of a smoothed frame: tells how much of its squared error is blur, which its history has alike. Where it
-  /// is not known, all is taken for blur, which explains no difference.
+  /// For a smoothed frame: tells which part of its expected squared error is blur. The history has the same
+  /// blur, so that part explains no difference between the two. Without it, the whole error counts as blur.
   std::optional<NoisyVariance> noisy = {};
 };
 

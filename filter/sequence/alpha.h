@@ -9,10 +9,11 @@
 namespace becalm::filter {
 
 /// 1 for each pixel of an RGBA image whose alpha looks noisy, as under motion blur and depth of field at few
-/// samples: alpha differs from a neighbour's, and in the window around it more pixels than at an edge or in a
-/// gradient have an alpha that rises or falls to both sides in all directions. Clean hair and foliage pass
-/// this test too, so the filter uses it only on request. Alpha that equals all its neighbours is never
-/// noisy; steps below 1/64 are ignored.
+/// samples. A pixel is rough if in each of the four directions through it alpha rises to both sides or falls
+/// to both sides. It is noisy if its alpha differs from a neighbour's and, of the 15x15 pixels around it, at
+/// least 6, and at least a twentieth of those that differ from a neighbour, are rough. Edges and gradients
+/// have fewer rough pixels; clean hair and foliage may have as many, so the filter uses this test only on
+/// request. Steps of alpha up to 1/64 are ignored.
 std::vector<std::uint8_t> noisy_alpha(const Image& beauty);
 
 /// 1 for each empty pixel of an RGBA image: colour and alpha are 0, and so is the colour of every transparent

@@ -22,7 +22,7 @@ struct ShotSignature {
 /// Reads those AOVs of the frame that are in `used`; `exposure` is the frame's.
 ShotSignature shot_signature(const Frame& frame, const AovSet& used, float exposure);
 
-/// Whether anything of the frame is known: one of NaN alone shows no shot.
+/// Whether any cell has known radiance. A frame of NaN alone does not, and cannot be compared.
 bool has_known_cells(const ShotSignature& signature);
 
 /// Whether there is a cut between two frames, given in any order: too many cells of one have no similar cell

@@ -23,8 +23,8 @@ class ChannelFactors {
   std::array<float, kHalfBlock> factors_{};
 };
 
-/// Writes a block of values, multiplied by the factors, as half floats. Bit i of the result is set if half i
-/// over its factor is farther from the value than `largest_error` relatively.
+/// Writes a block of values, multiplied by the factors, as half floats. Bit i of the result is set if half i,
+/// divided by its factor, has a relative error above `largest_error` or is not a number.
 std::uint32_t to_halves(const float* values, const ChannelFactors& factors, float largest_error,
                         std::uint16_t* halves);
 /// The halves of a block over the factors.

@@ -23,7 +23,7 @@ struct ScheduleOptions {
   Directions directions = Directions::both;
   int segment = 0;       ///< frame numbers in a segment; 0: one segment for all frames
   int warmup = 0;        ///< frame numbers on either side of a segment that are filtered with it
-  int step = 1;          ///< between frame numbers further apart, frames are missing
+  int step = 1;          ///< largest distance of frame numbers across which history is kept
   std::set<int> cuts{};  ///< first frames of new shots
 };
 

@@ -19,8 +19,9 @@ class FrameMixer {
   FrameMixer(gpu::Device& device, const FilterTask& task, std::uint64_t memory_limit);
   ~FrameMixer();
 
-  /// Replaces the estimate's colour, expected error and additive AOVs, if the frame differs from it by less
-  /// than 2.5 % of the squared brightness; up to 1.5 % with the whole share, above with a part.
+  /// Mixes the frame into the estimate's colour and additive AOVs, and updates the expected error, if the
+  /// squared difference of both colours relative to the brightness (1 at most in a pixel) has a mean below
+  /// 0.025. Up to 0.015 the frame has the share of own_share.h, which falls to 0 from there to 0.025.
   void mix(const NewFrame& frame, Estimate& estimate, FrameReport& report);
   FilterMemory memory() const;
 

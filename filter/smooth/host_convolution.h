@@ -18,8 +18,8 @@ class HostConvolution {
   HostConvolution(const Layer& layer, int upsampled_inputs, int width);
   ~HostConvolution();
 
-  /// Computes rows on one thread, which makes what oneDNN needs besides the pixels only once. Other threads
-  /// may have others of the same convolution, which must outlive them.
+  /// Computes rows on one thread, with oneDNN objects that are made once for all rows. Several threads may
+  /// each have their own `Rows` of one convolution, which must outlive them.
   class Rows {
    public:
     explicit Rows(const HostConvolution& convolution);

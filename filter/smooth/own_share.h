@@ -9,11 +9,9 @@
 
 namespace becalm::filter {
 
-/// The share of the frame itself in the output, f32, and the squared error that is expected then, f32x2; its
-/// second part is the estimate's.
 struct OwnShare {
-  gpu::ImageId share;
-  gpu::ImageId stats;
+  gpu::ImageId share;  ///< f32: share of the frame itself in the output
+  gpu::ImageId stats;  ///< f32x2: (squared error that is then expected; the estimate's second value)
 };
 
 /// An estimate of the frame that was smoothed: a merged frame, or a merge of smoothed frames.

@@ -16,10 +16,12 @@ struct Correspondence {
 /// not known.
 Correspondence correspondence_by_depth(const Frame& frame, float limit_px);
 
-/// Offsets of both images (two channels) from a search of the first alone, `residual` its patch distances, of
-/// the same size: where several pixels lead to one, those of the surface with the least residual are kept,
-/// and the other image's offsets lead back. kNowhere elsewhere: what one eye alone sees is found nowhere in
-/// the other. Di Stefano, Marchionni, Mattoccia, "A fast area-based stereo matching algorithm" (2004).
+/// Offsets of each image into the other (two channels, px) from a search of the first alone, whose results
+/// are `offsets` and the patch distances `residual`, of one size. Of pixels that lead to the same one, those
+/// stay whose offset is within 1 px of the best one's, which has the least residual. A pixel of the second
+/// image gets the negated offset of the best pixel that leads to it or beside it. Other pixels, which only
+/// one eye sees, get kNowhere. Di Stefano, Marchionni, Mattoccia, "A fast area-based stereo matching
+/// algorithm" (2004).
 std::array<Image, 2> unique_offsets(const Image& offsets, const Image& residual);
 
 }  // namespace becalm::filter

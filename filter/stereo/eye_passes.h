@@ -30,18 +30,18 @@ struct EyePasses {
   void upload_other(const EyeFrame& eye, const Rect& rect);
 
   gpu::Chain chain;
-  gpu::ImageId exposure;
-  gpu::Extent extent;  ///< of the own images
+  gpu::ImageId exposure;  ///< f32, 1x1: of the own frame
+  gpu::Extent extent;     ///< of the own images
   SourceWindow window;
   EstimateInputs own;
   EstimateInputs other;
   std::optional<gpu::ImageId> other_depth;     ///< if frames have it
   gpu::ImageId offset;                         ///< f32x2, into the other eye's image
   std::optional<gpu::ImageId> expected_depth;  ///< f32, there; 0: not known
-  gpu::ImageId color;                          ///< outputs
-  gpu::ImageId stats;
-  gpu::ImageId weight;  ///< of the other eye
-  std::vector<gpu::ImageId> carried;
+  gpu::ImageId color;                          ///< output, f32x4, as the next three: the combined estimate
+  gpu::ImageId stats;                          ///< f32x2, as Estimate::stats
+  gpu::ImageId weight;                         ///< f32, in [0,1]: of the other eye
+  std::vector<gpu::ImageId> carried;           ///< f32x4
 
  private:
   gpu::ImageId add_depth_check(int limit_px);

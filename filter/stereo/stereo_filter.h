@@ -27,9 +27,9 @@ class StereoFilter {
   ~StereoFilter();
   StereoFilter(StereoFilter&&) noexcept;
 
-  /// Runs one step of a schedule with both eyes' frames, in any order that does not change. A wanted forward
-  /// step returns both filtered frames. Frames that know their stereo camera (Frame::stereo) and depth are
-  /// aligned by depth, others by the search.
+  /// Runs one step of a schedule with both eyes' frames. Either eye may come first, but the same one in all
+  /// steps. A wanted forward step returns both filtered frames. Frames with a known stereo camera
+  /// (Frame::stereo) and depth are aligned by depth, others by the search.
   Pair<std::optional<Frame>> run(const Step& step, const Pair<const Frame*>& eyes,
                                  Pair<FrameReport>& reports);
   FilterMemory memory() const;

@@ -10,9 +10,10 @@ namespace becalm::filter {
 /// Device memory that all filters together may take, in bytes.
 std::uint64_t usable_bytes(const gpu::Device& device);
 
-/// Calls `build(limit)`, which plans chains for `limit` bytes and builds them. If memory is used up before
-/// that, as other programs hold some, again for half of the bytes, so that tiles get smaller. Passes on
-/// DeviceLimitError: of the memory that was missing, if smaller tiles cannot be planned.
+/// Calls `build(limit)`, which plans chains for `limit` bytes and builds them. If that throws
+/// DeviceMemoryError, since other programs hold memory, calls it again with half of the limit, so that tiles
+/// get smaller. If no plan fits, throws the last DeviceMemoryError, or the DeviceLimitError if there was
+/// none.
 template <class Build>
 void build_within(std::uint64_t limit, const Build& build) {
   std::optional<gpu::DeviceMemoryError> missing;

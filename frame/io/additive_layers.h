@@ -38,9 +38,9 @@ struct AdditiveSet {
 /// pixels; throws as read_exr does.
 std::vector<AdditiveSet> find_additive_sets(const std::string& path, const LayerOptions& options);
 
-/// Those of the first frame of a sequence that has such layers and is not black but for a thousandth, else of
-/// the first one that has them. Frames that cannot be read say nothing; after eight frames without such
-/// layers there are none.
+/// The sets of the first of these files that has such layers and in which more than a thousandth of the
+/// values is not black; if there is none, of the first file with such layers. Files that cannot be read are
+/// skipped; the search ends at the eighth file without such layers. Throws Error(resource).
 std::vector<AdditiveSet> find_additive_sets(std::span<const std::string> paths, const LayerOptions& options);
 
 /// The words between commas.

@@ -30,7 +30,7 @@ struct LoadedView : ViewLayers {
   /// unit; 0 where the file has floats.
   std::array<float, kAovCount> rounding{};
   Imath::Box2i window;  ///< that the frame covers, in the file's coordinates
-  /// As StereoView has it, of any frame: not zero where the window is not the display window.
+  /// The display window's middle, from the middle of `window`, in pixels.
   Imath::V2d middle_px{0.0, 0.0};
   /// Of light groups that are products: the surface's colour, which the frame's radiance contains.
   std::map<std::string, Image> colours;

@@ -30,8 +30,8 @@ std::vector<std::string> patterns_of_files(std::span<const std::string> paths);
 /// The number that a single file's name has, else 1.
 int number_in_name(const std::string& path);
 
-/// A frame field of two characters or more in the path's folders, of which the first that has one is not
-/// there; empty without one. SequencePattern takes it literally.
+/// The first frame field of two characters or more in the path's folders, if the folder with it does not
+/// exist; else empty. SequencePattern takes fields of folders literally.
 std::string field_of_folder(const std::string& path);
 
 /// A file name with at most one frame field: `####`, `@@@@` (digits = characters), `%04d`, `%d`, `$F4` or

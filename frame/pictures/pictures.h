@@ -40,7 +40,8 @@ class Picture {
  public:
   virtual ~Picture() = default;
   virtual const Header& header() const = 0;
-  /// All channels of all pixels, row by row from the top left. Throws std::runtime_error with the reason if
+  /// All channels of all pixels, row by row from the top left: width * height * channels values, not
+  /// converted to linear light; unsigned integers become [0,1]. Throws std::runtime_error with the reason if
   /// they cannot be read.
   virtual void read(std::span<float> pixels) = 0;
 };

@@ -65,7 +65,7 @@ Mosaic read(File& file, const std::string& path);
 
 /// Demosaics, and converts to linear Rec. 709, where white is 1, and turns the picture upright.
 /// White-balanced values above white are cut to it, so that saturated pixels are white whatever the light's
-/// colour. Three channels.
+/// colour. Three channels. Throws Error(resource) if LibRaw cannot be loaded or cannot demosaic.
 Image develop(const Mosaic& mosaic, const Info& info);
 
 }  // namespace becalm::raw

@@ -1,8 +1,8 @@
-// Reads the new frame (its samples, and the pixels made of them with their variance) and the history at its
-// pixels; writes their blend, which is the next history: colour, (variance, effective frames), the decision:
-// (rejected share; squared bias; weight of the new frame; what it is worth in frames), and if asked the
-// rectified history. A history is rectified (survey of Yang et al. 2020, section 4.2), then weighed by one
-// of three rules.
+// Reads the new frame (its samples, and the pixels made of them with their variance and confidence) and the
+// history at its pixels; writes their blend, which is the next history: colour, (variance, effective frames);
+// the decision: (rejected share; squared bias; weight of the new frame; the new pixel's confidence, in
+// frames); and if asked the rectified history. If asked, the history is rectified (survey of Yang et al.
+// 2020, section 4.2); it is then weighed by one of three rules.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require

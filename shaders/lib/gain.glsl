@@ -38,9 +38,10 @@ const float kBlurInError = 4.0f;
 /// renders of one frame differ, squared, by 0.4 of that error on average, but by 0.15 where it exceeds the noise.
 float unshared_part(float error, float noise) { return noise > 0.0f ? noise / (noise + kBlurInError * error) : 0.0f; }
 
-/// Squared bias in a squared difference of smoothed frames, of which `expected` is what their errors make: the share
-/// that a Wiener filter takes for signal, cubed. Some of each difference counts, since expected errors hide most that
-/// are misaligned; without the power, frames that match differ enough to keep their history short.
+/// Squared bias in a squared difference d of smoothed frames whose errors alone make `expected` of it on
+/// average: d times the cube of d / (d + expected), the gain of a Wiener filter. A part of every d counts,
+/// since most misaligned detail differs by less than `expected`. With the gain itself instead of its cube,
+/// the differences of frames that match would keep their history short.
 float smoothed_bias(float squared_difference, float expected) {
   float total = squared_difference + expected;
   float share = total > 0.0f ? squared_difference / total : 0.0f;

@@ -2,8 +2,9 @@
 // buffers color, variance, warped_color and warped_stats, and the constants `sparse` and `bias_radius`.
 #include "lib/squared.glsl"
 
-/// Share of the expected noise that counts against a difference: less follows motion sooner, more averages
-/// longer. Chosen on the shots of scripts/benches/antialias: from 0.4 to 1 still and moving ones trade 3 %.
+/// Share of the expected noise that is subtracted from a squared difference before the rest counts as bias:
+/// smaller values follow motion sooner, larger ones average longer. Chosen on the shots of
+/// scripts/benches/antialias: from 0.4 to 1, still shots gain 3 % and moving ones lose as much.
 const float kExplained = 0.5;
 /// Variances of the difference beyond which a pixel's own difference is bias, whatever its neighbours say.
 const float kCertain = 9.0;
@@ -13,7 +14,7 @@ const float kFewest = sparse != 0 ? 1e-3 : 1.0;
 /// Side of the square of pixels that bias is measured over.
 const int kSide = 2 * bias_radius + 1;
 
-/// By the confidence of a pixel, which is 1 in whole frames. Some devices round even that.
+/// x over a pixel's confidence. In whole frames, where that is 1, x itself: some devices round even x / 1.
 float divided(float x, float confidence) { return sparse != 0 ? x / confidence : x; }
 
 /// The variance of a whole frame's pixel and the squared bias of the history, over the pixels around, which count by

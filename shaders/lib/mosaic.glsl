@@ -1,6 +1,6 @@
-// Samples of a sensor's mosaic, their noise, and what a merge makes of them. A levels table has, in this
-// order: a and b of the reference's noise, a and b of the frame's, from which value on the reference's samples
-// are saturated, and the frame's.
+// Samples of a sensor's mosaic, their noise, and their weights in a merge. The table `levels` has, in this
+// order: a and b of the reference's noise model, a and b of the frame's, the value from which on the
+// reference's samples are saturated, the same of the frame's.
 #include "lib/language.glsl"
 
 const int kReferenceNoise = 0;
@@ -38,8 +38,9 @@ const float kMostDeviations = 64.0f;
 /// difference times the number of samples.
 const float kExplained = 1.25f;
 const float kExplainedMean = 4.0f;
-/// Excess over that, in variances, at which a frame's weight starts to fall, and at which it is 0. Where something
-/// moved, all frames agree against the reference: weights by squared error alone leave ghosts.
+/// Excess over these, in variances, from which on a frame's weight falls faster than by its squared error,
+/// and at which it is 0. The squared error alone would leave ghosts: where something has moved, all other
+/// frames agree with each other and together outweigh the reference.
 const float kDoubt = 0.5f;
 const float kRejected = 4.0f;
 

@@ -5,8 +5,8 @@
 /// Input for a radiance in units of the frame's typical luminance: close to the logarithm where it is bright.
 float compressed_radiance(float radiance) { return 0.5f * log(1.0f + 10.0f * max(radiance, 0.0f)); }
 
-/// More noise than training shows. What the network makes of more is undefined: beside fireflies of 1e8, it let
-/// traces of them through in the frames that had merged them.
+/// Limit of the noise input, above all that training showed. The network's answer to larger inputs is
+/// undefined: beside fireflies of 1e8, traces of them stayed in the frames that had merged them.
 const float kLargestNoise = 10.0f;
 
 /// Input for a pixel's noise: its standard deviation relative to its luminance, compressed.

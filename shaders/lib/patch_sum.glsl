@@ -1,7 +1,8 @@
 // The sum over a patch without the pixel in its middle, for kernels whose patches may be 3x3 pixels. The kernel
 // declares `size` and the constant `radius` before it includes this.
 
-/// Of the pixel's row, or of the one above or below it: over 3 pixels, the middle one only where `with_middle`.
+/// The sum over 3 pixels of the pixel's own row (`row` 0), of the one above (-1) or of the one below (1);
+/// without the middle one unless `with_middle`.
 vec4 sum_of_row(samplerBuffer statistics, ivec2 at, int row, bool with_middle) {
   const bool has_row = at.y + row >= 0 && at.y + row < size.y;
   const int index = (has_row ? at.y + row : at.y) * size.x + at.x;

@@ -1,5 +1,6 @@
-// Reads a frame, an estimate of it with (expected squared error, number of frames), and the variance of what
-// was merged: of a smoothed merged frame, whose number is 1, the variance of the mean, else that of a frame.
+// Reads a frame, an estimate of it with (expected squared error, count), and a variance that is divided by
+// the count: for a smoothed merged frame that of the mean, with a count of 1; else that of one frame, with
+// the number of frames merged.
 // Writes what own_share averages over patches: (squared difference, expected error, variance of the mean, 1),
 // relative to the estimate's brightness; zeros for a pixel that is not finite. A pixel's variance is at least
 // a share of the mean of the patch around it (smooth/share), if given: where light is sparse, most pixels got

@@ -1,7 +1,7 @@
 // Reads a frame, its variance and features, and the smoothed result; writes (excess, its square, variance of the
 // frame, 1), relative to the result's brightness, to `lost` where there is a surface and to `lost_background` where
-// there is none; zeros to the other one, and to both for a pixel that is not finite. The excess is what the
-// squared difference of frame and result is more than the frame's noise alone would make it, on average.
+// there is none; zeros to the other one, and to both for a pixel that is not finite. The excess is the
+// squared difference of frame and result minus the frame's variance.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "lib/color.glsl"

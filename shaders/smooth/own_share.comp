@@ -1,9 +1,10 @@
 // Reads smooth/difference's output, its patch sums, the estimate with its expected error, and the weights of
 // three small layers; writes the share of the frame itself in the output, and the squared error that is then
-// expected. The difference is that of the patch without the pixel: a share that follows from the value that it
-// weighs darkens the image. Only an outlier, which differs more than its patch, has less. `fade`, if given,
-// multiplies the share of every pixel. A mean's expected error is at most the mean of its parts' errors, and
-// this is what is written; that of the frame is its squared difference from the estimate.
+// expected. The layers see the difference averaged over the patch without the pixel: a share that depends on
+// the value that it weighs would darken the image. Only outliers, whose squared difference exceeds kOutlier
+// times the patch's mean, get a smaller share. `fade`, if given, multiplies all shares. The error written is
+// the mean of both parts' errors, weighted by their shares: an upper bound of the mix's. The frame's error is
+// taken as the patch's mean squared difference from the estimate.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require

@@ -53,7 +53,7 @@ std::vector<TriangleOrRectangle> find_rectangles(std::span<const EmissiveTriangl
   std::vector<TriangleOrRectangle> found;
   found.reserve(triangles.size());
   for (std::uint32_t i = 0; i < triangles.size(); ++i) {
-    TriangleOrRectangle& next = found.emplace_back(i);
+    TriangleOrRectangle& next = found.emplace_back(TriangleOrRectangle{.triangle = i});
     if (i + 1 == triangles.size()) break;
     const auto corner = rectangle_corner(triangles[i], triangles[i + 1], keys);
     if (!corner) continue;
