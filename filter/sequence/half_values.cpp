@@ -4,31 +4,18 @@
 
 #include <cmath>
 
-#ifdef __x86_64__
-#include <immintrin.h>
-#endif
+#include "frame/f16c.h"
 
 namespace becalm::filter {
 namespace {
 
-#ifdef __x86_64__
-// Every processor with AVX2 converts half floats (F16C). It rounds as Imath does; where a value is not a
-// number, their bits may differ, but no half stands for it.
-#define BECALM_WITH_HALVES __attribute__((target("avx2,f16c")))
-
-constexpr std::size_t kVector = 8;
-
-bool converts_halves() {
-  static const bool converts = __builtin_cpu_supports("avx2") != 0;
-  return converts;
-}
-
-BECALM_WITH_HALVES std::uint32_t to_halves_in_vectors(const float* values, const float* factors,
-                                                      float largest_error, std::uint16_t* halves) {
+#ifdef BECALM_WITH_F16C
+BECALM_WITH_F16C std::uint32_t to_halves_in_vectors(const float* values, const float* factors,
+                                                    float largest_error, std::uint16_t* halves) {
   const __m256 magnitude = _mm256_castsi256_ps(_mm256_set1_epi32(0x7fffffff));
   const __m256 limit = _mm256_set1_ps(largest_error);
   std::uint32_t missed = 0;
-  for (std::size_t i = 0; i < kHalfBlock; i += kVector) {
+  for (std::size_t i = 0; i < kHalfBlock; i += kF16cValues) {
     const __m256 value = _mm256_loadu_ps(values + i);
     const __m256 factor = _mm256_loadu_ps(factors + i);
     const __m128i half = _mm256_cvtps_ph(_mm256_mul_ps(value, factor), _MM_FROUND_TO_NEAREST_INT);
@@ -42,9 +29,9 @@ BECALM_WITH_HALVES std::uint32_t to_halves_in_vectors(const float* values, const
   return missed;
 }
 
-BECALM_WITH_HALVES void from_halves_in_vectors(const std::uint16_t* halves, const float* factors,
-                                               float* values) {
-  for (std::size_t i = 0; i < kHalfBlock; i += kVector) {
+BECALM_WITH_F16C void from_halves_in_vectors(const std::uint16_t* halves, const float* factors,
+                                             float* values) {
+  for (std::size_t i = 0; i < kHalfBlock; i += kF16cValues) {
     const __m128i half = _mm_loadu_si128(reinterpret_cast<const __m128i*>(halves + i));
     _mm256_storeu_ps(values + i, _mm256_div_ps(_mm256_cvtph_ps(half), _mm256_loadu_ps(factors + i)));
   }
@@ -55,8 +42,8 @@ BECALM_WITH_HALVES void from_halves_in_vectors(const std::uint16_t* halves, cons
 
 std::uint32_t to_halves(const float* values, const ChannelFactors& factors, float largest_error,
                         std::uint16_t* halves) {
-#ifdef __x86_64__
-  if (converts_halves()) return to_halves_in_vectors(values, factors.data(), largest_error, halves);
+#ifdef BECALM_WITH_F16C
+  if (has_f16c()) return to_halves_in_vectors(values, factors.data(), largest_error, halves);
 #endif
   std::uint32_t missed = 0;
   for (std::size_t i = 0; i < kHalfBlock; ++i) {
@@ -68,8 +55,8 @@ std::uint32_t to_halves(const float* values, const ChannelFactors& factors, floa
 }
 
 void from_halves(const std::uint16_t* halves, const ChannelFactors& factors, float* values) {
-#ifdef __x86_64__
-  if (converts_halves()) return from_halves_in_vectors(halves, factors.data(), values);
+#ifdef BECALM_WITH_F16C
+  if (has_f16c()) return from_halves_in_vectors(halves, factors.data(), values);
 #endif
   for (std::size_t i = 0; i < kHalfBlock; ++i) values[i] = imath_half_to_float(halves[i]) / factors.data()[i];
 }

@@ -8,29 +8,16 @@
 #include <cstdint>
 #include <cstring>
 
-#ifdef __x86_64__
-#include <immintrin.h>
-#endif
+#include "frame/f16c.h"
 
 namespace becalm::io {
 namespace {
 
-#ifdef __x86_64__
-// Every processor with AVX2 converts half floats (F16C), and rounds as Imath does. A signalling NaN becomes a
-// quiet one.
-#define BECALM_WITH_F16C __attribute__((target("avx2,f16c")))
-
-constexpr std::size_t kVector = 8;
-
-bool has_f16c() {
-  static const bool has = __builtin_cpu_supports("avx2") != 0;
-  return has;
-}
-
+#ifdef BECALM_WITH_F16C
 /// Converts as many halves as fill vectors, and returns their number.
 BECALM_WITH_F16C std::size_t vectors_from_halves(const char* samples, std::span<float> values) {
   std::size_t i = 0;
-  for (; i + kVector <= values.size(); i += kVector) {
+  for (; i + kF16cValues <= values.size(); i += kF16cValues) {
     const __m128i halves = _mm_loadu_si128(reinterpret_cast<const __m128i*>(samples + 2 * i));
     _mm256_storeu_ps(&values[i], _mm256_cvtph_ps(halves));
   }
@@ -44,7 +31,7 @@ BECALM_WITH_F16C std::size_t vectors_to_halves(std::span<const float> values, ch
   const __m256 largest = _mm256_set1_ps(HALF_MAX);
   const __m256 infinite = _mm256_set1_ps(HUGE_VALF);
   std::size_t i = 0;
-  for (; i + kVector <= values.size(); i += kVector) {
+  for (; i + kF16cValues <= values.size(); i += kF16cValues) {
     const __m256 value = _mm256_loadu_ps(&values[i]);
     const __m256 magnitude = _mm256_andnot_ps(sign, value);
     const __m256 beyond = _mm256_and_ps(_mm256_cmp_ps(magnitude, largest, _CMP_GT_OQ),
@@ -60,7 +47,7 @@ BECALM_WITH_F16C std::size_t vectors_to_halves(std::span<const float> values, ch
 
 void from_halves(const char* samples, std::span<float> values) {
   std::size_t done = 0;
-#ifdef __x86_64__
+#ifdef BECALM_WITH_F16C
   if (has_f16c()) done = vectors_from_halves(samples, values);
 #endif
   for (std::size_t i = done; i < values.size(); ++i) {
@@ -73,7 +60,7 @@ void from_halves(const char* samples, std::span<float> values) {
 std::size_t to_halves(std::span<const float> values, char* samples) {
   std::size_t overflows = 0;
   std::size_t done = 0;
-#ifdef __x86_64__
+#ifdef BECALM_WITH_F16C
   if (has_f16c()) done = vectors_to_halves(values, samples, overflows);
 #endif
   for (std::size_t i = done; i < values.size(); ++i) {

@@ -3,6 +3,7 @@
 #include <OpenEXR/ImfStringVectorAttribute.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "frame/error.h"
