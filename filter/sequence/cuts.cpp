@@ -15,7 +15,7 @@ namespace {
 constexpr int kCells = 24;
 constexpr int kSmallestCell = 8;
 /// Largest movement of a cell between two frames, in cells: a twelfth of the image.
-constexpr int kReach = 2;
+constexpr int kLargestMove = 2;
 /// Largest differences between similar cells.
 constexpr float kLuminanceDifference = 0.1f;
 constexpr float kAlbedoDifference = 0.1f;
@@ -56,8 +56,8 @@ double unmatched(const ShotSignature& a, const ShotSignature& b) {
       const auto& cell = a.cells[static_cast<std::size_t>(y) * a.columns + x];
       if (!is_known(cell)) continue;
       bool matched = false, comparable = false;
-      for (int v = std::max(y - kReach, 0); v <= std::min(y + kReach, a.rows - 1); ++v) {
-        for (int u = std::max(x - kReach, 0); u <= std::min(x + kReach, a.columns - 1); ++u) {
+      for (int v = std::max(y - kLargestMove, 0); v <= std::min(y + kLargestMove, a.rows - 1); ++v) {
+        for (int u = std::max(x - kLargestMove, 0); u <= std::min(x + kLargestMove, a.columns - 1); ++u) {
           const auto& other = b.cells[static_cast<std::size_t>(v) * b.columns + u];
           if (!is_known(other)) continue;
           comparable = true;

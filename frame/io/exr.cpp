@@ -211,7 +211,7 @@ void forget_outside(const Imath::Box2i& data_window, LoadedView& view) {
   if (unknown > 0) view.frame.set_cut(Cut{inside, unknown});
 }
 
-std::string text_of(const Imath::Box2i& window) {
+std::string corners_of(const Imath::Box2i& window) {
   return fmt::format("({}, {}) to ({}, {})", window.min.x, window.min.y, window.max.x, window.max.y);
 }
 
@@ -309,7 +309,7 @@ LoadedFrame read_exr(const std::string& path, int frame_number, AovSet wanted, c
       if (!view.window.intersects(views[i].data_window)) {
         throw Error(ExitStatus::bad_input,
                     fmt::format("{}: data window {}: expected one that overlaps the sequence's, {}", path,
-                                text_of(views[i].data_window), text_of(view.window)));
+                                corners_of(views[i].data_window), corners_of(view.window)));
       }
       std::ranges::transform(view.layers, view.rounding.begin(),
                              [&](const auto& source) { return source ? rounding_of(*file, *source) : 0.0f; });

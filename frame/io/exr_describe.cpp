@@ -56,7 +56,7 @@ std::string_view name_of(Imf::PixelType type) {
   return "unknown type";
 }
 
-std::string text_of(const Imath::Box2i& window) {
+std::string size_and_place(const Imath::Box2i& window) {
   return fmt::format("{}x{} at ({}, {})", window.max.x - window.min.x + 1, window.max.y - window.min.y + 1,
                      window.min.x, window.min.y);
 }
@@ -109,7 +109,8 @@ std::vector<std::string> ExrDescription::lines() const {
     const Part& part = parts[number];
     lines.push_back(fmt::format("part {}{}: {}, {}, data window {}, display window {}", number,
                                 part.name.empty() ? "" : fmt::format(" '{}'", part.name), part.storage,
-                                part.compression, text_of(part.data_window), text_of(part.display_window)));
+                                part.compression, size_and_place(part.data_window),
+                                size_and_place(part.display_window)));
     std::size_t width = 0;
     for (const Channel& channel : part.channels) width = std::max(width, channel.name.size());
     for (const Channel& channel : part.channels) {
