@@ -282,6 +282,7 @@ TEST_F(ExrRead, NamesOfAnyBytesArePrintable) {
 
 TEST_F(ExrRead, ManyLongNamesAreCutShort) {
   std::vector<TestChannel> channels;
+  channels.reserve(200);
   for (int i = 0; i < 200; ++i) channels.push_back({std::to_string(i) + std::string(200, 'x')});
   write_test_file(path_, {scanline_part(window(0, 0, 1, 1), channels)});
   const std::string problem = describe_exr(path_).problem;
