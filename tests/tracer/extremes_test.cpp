@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
 
 #include "frame/error.h"
 #include "tests/tracer/estimates.h"
@@ -173,8 +174,11 @@ TEST(Extremes, VerticesThatAreNoNumbersInMemory) {
 }
 
 TEST(Extremes, ScalesOfAlmostNothing) {
-  EXPECT_EQ(load_error(simple("{'mesh': 'cube', 'material': 'white', 'transform': {'scale': [1,0,1]}}")),
-            "scene.json: /objects/0/transform/scale: a scale must not be 0");
+  for (const char* zero : {"0", "1e-50"}) {
+    EXPECT_EQ(load_error(simple("{'mesh': 'cube', 'material': 'white', 'transform': {'scale': [1," +
+                                std::string(zero) + ",1]}}")),
+              "scene.json: /objects/0/transform/scale: a scale must not be 0");
+  }
   const Mean plain = mean_radiance(render(simple(kCube), 16).frame);
   for (const char* mesh : {"cube", "ball"}) {
     for (const char* scale : {"1e-10", "1e-20", "1e-30", "[1,1e-12,1]", "[1,1e-30,1]", "[1e-38,1,1]"}) {
@@ -195,6 +199,26 @@ TEST(Extremes, ScalesOfAlmostNothing) {
         EXPECT_NEAR(mean.value, plain.value, 0.1) << what;
       }
     }
+  }
+}
+
+TEST(Extremes, FlatAndTinyInstancesAreSeenFromTheFront) {
+  const auto rendered = [](const std::string& mesh, const std::string& scale) {
+    const std::string key = "'scale': [" + scale + "]";
+    return render(
+        simple("{'mesh': '" + mesh + "', 'material': 'white', 'transform': {'keys': [{'frame': 1, " + key +
+               "}, {'frame': 3, " + key + ", 'rotate_deg': [0,40,0]}]}}"),
+        16);
+  };
+  const Mean thin = mean_radiance(rendered("cube", "1,1,1e-4").frame);
+  for (const char* thickness : {"1e-12", "1e-19", "1e-30", "1e-38"}) {
+    const std::string scale = std::string("1,1,") + thickness;
+    EXPECT_NEAR(mean_radiance(rendered("cube", scale).frame).value, thin.value, 1e-3) << thickness;
+    // Of a flat ball rays miss a part: there distances are no longer resolved by floats.
+    expect_finite(rendered("ball", scale).frame, thickness);
+  }
+  for (const char* scale : {"1e-8,1e-8,1e-30", "1e-16,1e-16,1e-16", "1e-40,1e-40,1", "1e-38,1e-38,1e-38"}) {
+    for (const char* mesh : {"cube", "ball"}) expect_finite(rendered(mesh, scale).frame, scale);
   }
 }
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "frame/error.h"
+#include "tracer/math/thickened.h"
 #include "tracer/math/unit_sphere.h"
 #include "tracer/snapshot/alpha_test.h"
 
@@ -245,7 +246,9 @@ struct Intersector::State {
     // Imath's matrices (row vectors, row-major) have the memory layout of column vectors in column-major
     // order.
     for (unsigned step = 0; step < to_world.size(); ++step) {
-      rtcSetGeometryTransform(instance, step, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, to_world[step].getValue());
+      // Embree maps rays by its inverse, and ends the program where coordinates exceed 1.8e18 there.
+      const M44f transform = thickened(to_world[step]);
+      rtcSetGeometryTransform(instance, step, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, transform.getValue());
     }
     rtcCommitGeometry(instance);
   }
