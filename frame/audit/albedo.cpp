@@ -8,7 +8,7 @@ namespace becalm::audit {
 namespace {
 
 constexpr float kLargest = 1.01f;  // a pixel filter of either sign and rounding to half may pass 1
-constexpr double kLargestShare = 0.001;
+constexpr double kLargestShareAboveOne = 0.001;
 
 }  // namespace
 
@@ -17,7 +17,7 @@ std::optional<Finding> check_albedo(const Subject& subject) {
   const auto values = subject.frame.image(Aov::albedo).data();
   const auto count = std::ranges::count_if(values, [](float value) { return value > kLargest; });
   const double share = static_cast<double>(count) / static_cast<double>(values.size());
-  if (share <= kLargestShare) return std::nullopt;
+  if (share <= kLargestShareAboveOne) return std::nullopt;
   return Finding{
       "albedo",
       fmt::format("{:.1f} % of the albedo is above 1, up to {:.3g}, so that it is no reflectance: leave "

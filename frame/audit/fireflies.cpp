@@ -10,7 +10,7 @@ namespace becalm::audit {
 namespace {
 
 constexpr float kTimesNeighbours = 20.0f;
-constexpr double kLargestShare = 0.05;
+constexpr double kLargestShareOfLight = 0.05;
 
 /// The middle of the eight neighbours of a pixel that is not at the border.
 float median_around(const std::vector<float>& values, int width, std::ptrdiff_t at) {
@@ -43,7 +43,7 @@ std::optional<Finding> check_fireflies(const Subject& subject) {
       ++count;
     }
   }
-  if (!(in_fireflies > kLargestShare * all)) return std::nullopt;
+  if (!(in_fireflies > kLargestShareOfLight * all)) return std::nullopt;
   return Finding{
       "fireflies",
       fmt::format("{:.0f} % of the light is in {} single bright pixels, whose share no filter can place: "

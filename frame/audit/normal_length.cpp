@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kTolerance = 0.1;
 /// Pixels at edges and on rough surfaces average normals, which makes them shorter.
-constexpr double kLargestShare = 0.25;
+constexpr double kLargestShareOfOtherLength = 0.25;
 
 }  // namespace
 
@@ -27,7 +27,7 @@ std::optional<Finding> check_normal_length(const Subject& subject) {
     sum += length;
     if (std::abs(length - 1.0) > kTolerance) ++off;
   }
-  if (there == 0 || static_cast<double>(off) <= kLargestShare * static_cast<double>(there))
+  if (there == 0 || static_cast<double>(off) <= kLargestShareOfOtherLength * static_cast<double>(there))
     return std::nullopt;
   return Finding{
       "normal_length",

@@ -5,7 +5,7 @@
 namespace becalm::audit {
 namespace {
 
-constexpr double kLargestShare = 0.01;
+constexpr double kLargestShareOfColour = 0.01;
 
 }  // namespace
 
@@ -21,7 +21,7 @@ std::optional<Finding> check_premultiplied(const Subject& subject) {
   }
   if (transparent == 0) return std::nullopt;
   const double share = static_cast<double>(coloured) / static_cast<double>(transparent);
-  if (share <= kLargestShare) return std::nullopt;
+  if (share <= kLargestShareOfColour) return std::nullopt;
   return Finding{
       "premultiplied",
       fmt::format(

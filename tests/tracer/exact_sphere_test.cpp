@@ -54,7 +54,7 @@ TEST(UnitSphere, MeetsRaysWhereLongDoubleSays) {
     const Roots exact = exact_roots(origin, dir);
     // What the coordinates' own rounding lets happen: the closest approach moves by that much.
     const double rounding = 4.0 * 0x1p-24 * std::max(1.0f, distance);
-    const std::optional<float> t = intersect_unit_sphere(origin, dir, kInfinity);
+    const std::optional<LocalHit> hit = intersect_unit_sphere(origin, dir, kInfinity);
     if (std::abs(exact.depth) <= 8.0 * rounding) {
       ++grazing;
       continue;  // either answer is right
@@ -66,11 +66,11 @@ TEST(UnitSphere, MeetsRaysWhereLongDoubleSays) {
     if (exact.depth > 0.0 &&
         std::min(std::abs(exact.nearer), std::abs(exact.farther)) * length < 4.0 * rounding / half_chord)
       continue;  // the origin is on the surface: a test of its own
-    ASSERT_EQ(t.has_value(), expected) << i << ": distance " << distance << " depth " << exact.depth;
+    ASSERT_EQ(hit.has_value(), expected) << i << ": distance " << distance << " depth " << exact.depth;
     ++(expected ? hits : misses);
     if (!expected) continue;
     // Across a grazing ray an error sideways becomes a longer one along it.
-    EXPECT_NEAR(*t * length, first * length, 4.0 * rounding * (1.0 + 1.0 / half_chord))
+    EXPECT_NEAR(hit->distance * length, first * length, 4.0 * rounding * (1.0 + 1.0 / half_chord))
         << i << ": distance " << distance << " depth " << exact.depth;
   }
   EXPECT_GT(hits, 50000);
@@ -89,18 +89,47 @@ TEST(UnitSphere, RaysThatLeaveTheSurfaceDoNotMeetItAgain) {
     const float cos_angle = dir.dot(normal);
     const V3f outward = cos_angle < 0.0f ? -dir : dir;
     EXPECT_FALSE(intersect_unit_sphere(outside, outward, kInfinity)) << i;
-    const std::optional<float> across = intersect_unit_sphere(inside, -outward, kInfinity);
+    const std::optional<LocalHit> across = intersect_unit_sphere(inside, -outward, kInfinity);
     ASSERT_TRUE(across) << i;
     const Roots exact = exact_roots(inside, -outward);
-    EXPECT_NEAR(*across, exact.farther, 4e-7 * (1.0 + 1.0 / std::sqrt(exact.depth))) << i;
+    EXPECT_NEAR(across->distance, exact.farther, 4e-7 * (1.0 + 1.0 / std::sqrt(exact.depth))) << i;
+  }
+}
+
+TEST(UnitSphere, IsMetByRaysOfTheSpaceOfAFlattenedOne) {
+  // Rays onto its middle and around it, from three radii away, in the space of a sphere of this thickness.
+  TestRandom random(5);
+  for (const double thickness : {1e-2, 1e-6, 1e-9, 0x1p-40}) {
+    for (int i = 0; i < 10000; ++i) {
+      const float angle = 6.28318f * random.next(), radius = i % 2 == 0 ? 0.9f * random.next() : 1.1f;
+      const V3d aim(radius * std::cos(angle), radius * std::sin(angle), 0.0), from(0.5, -1.0, 3.0);
+      V3d dir = aim - from, origin = from;
+      dir.z /= thickness;
+      origin.z /= thickness;
+      const std::optional<LocalHit> hit = intersect_unit_sphere(V3f(origin), V3f(dir), kInfinity);
+      if (i % 2 == 1 && thickness > 1e-6) continue;  // a thick one's rim may be met
+      ASSERT_EQ(hit.has_value(), i % 2 == 0) << "thickness " << thickness << " radius " << radius;
+      if (!hit) continue;
+      EXPECT_NEAR(hit->distance, 1.0f, 2.0 * thickness + 1e-6);
+      EXPECT_NEAR(hit->point.length(), 1.0f, 1e-6);
+      EXPECT_GT(hit->point.z, 0.0f) << "the side that faces the ray";
+      EXPECT_NEAR((V3d(hit->point) - aim).x, 0.0, thickness + 1e-6);
+      EXPECT_NEAR((V3d(hit->point) - aim).y, 0.0, thickness + 1e-6);
+    }
   }
 }
 
 TEST(UnitSphere, RespectsTheRaysEnd) {
   const V3f origin(0, 0, 3), dir(0, 0, -2);
   EXPECT_FALSE(intersect_unit_sphere(origin, dir, 1.0f)) << "it is met at 1, and the end is open";
-  EXPECT_EQ(intersect_unit_sphere(origin, dir, 1.001f), std::optional(1.0f));
-  EXPECT_EQ(intersect_unit_sphere(V3f(0), dir, kInfinity), std::optional(0.5f));
+  const std::optional<LocalHit> outside = intersect_unit_sphere(origin, dir, 1.001f);
+  ASSERT_TRUE(outside);
+  EXPECT_EQ(outside->distance, 1.0f);
+  EXPECT_EQ(outside->point, V3f(0, 0, 1));
+  const std::optional<LocalHit> inside = intersect_unit_sphere(V3f(0), dir, kInfinity);
+  ASSERT_TRUE(inside);
+  EXPECT_EQ(inside->distance, 0.5f);
+  EXPECT_EQ(inside->point, V3f(0, 0, -1));
   EXPECT_FALSE(intersect_unit_sphere(V3f(0, 0, -3), dir, kInfinity));
   EXPECT_FALSE(intersect_unit_sphere(origin, V3f(0), kInfinity));
 }

@@ -286,8 +286,9 @@ TEST(Load, NamesImpossibleMotion) {
   const auto transform = [](const std::string& text) {
     return load_error(with_objects("[{'mesh': 'box', 'material': 'white', 'transform': " + text + "}]"));
   };
-  EXPECT_EQ(transform("{'scale': [1, 0, 1]}"),
-            "scene.json: /objects/0/transform/scale: a scale must not be 0");
+  EXPECT_EQ(
+      transform("{'scale': [1, 0, 1]}"),
+      "scene.json: /objects/0/transform/scale: a scale must not be 0, nor less than floats hold (1.4e-45)");
   EXPECT_EQ(
       transform("{'keys': [{'frame': 1, 'scale': 1}, {'frame': 2, 'scale': -1}]}"),
       "scene.json: /objects/0/transform/keys: a scale must not change its sign between keys: it would pass "

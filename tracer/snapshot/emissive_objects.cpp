@@ -14,7 +14,7 @@ TriangleKey triangle_at(const ObjectState& object, const std::array<std::uint32_
   TriangleKey key;
   for (int k = 0; k < 3; ++k) key[k] = transform_point(object.mesh->positions[corners[k]], to_world);
   // Mirroring reverses the winding; swapping two corners keeps the outside outside.
-  if (to_world.determinant() < 0.0f) std::swap(key[1], key[2]);
+  if (M44d(to_world).determinant() < 0.0) std::swap(key[1], key[2]);
   return key;
 }
 

@@ -83,12 +83,15 @@ bool may_meet(const RTCBounds& box, const RTCRay& ray) {
   return first * (1.0f - rounding) <= last * (1.0f + rounding);
 }
 
-/// The first distance in (0, tfar) at which the ray meets a shape without triangles, in object space.
-std::optional<float> first_distance(const Shape& shape, const RTCRay& ray) {
+/// The first place with a distance in (0, tfar) at which the ray meets a shape without triangles, in object
+/// space.
+std::optional<LocalHit> first_hit(const Shape& shape, const RTCRay& ray) {
   const V3f origin(ray.org_x, ray.org_y, ray.org_z), dir(ray.dir_x, ray.dir_y, ray.dir_z);
-  if (const Procedural* procedural = procedural_of(shape))
-    return intersect(*procedural, origin, dir, ray.tnear, ray.tfar);
-  return intersect_unit_sphere(origin, dir, ray.tfar);
+  const Procedural* procedural = procedural_of(shape);
+  if (procedural == nullptr) return intersect_unit_sphere(origin, dir, ray.tfar);
+  const std::optional<float> t = intersect(*procedural, origin, dir, ray.tnear, ray.tfar);
+  if (!t) return std::nullopt;
+  return LocalHit{*t, origin + *t * dir};
 }
 
 void user_bounds(const RTCBoundsFunctionArguments* args) {
@@ -107,14 +110,14 @@ void user_intersect(const RTCIntersectFunctionNArguments* args) {
   assert(args->N == 1);
   auto& query = *reinterpret_cast<RTCRayHit*>(args->rayhit);
   const Shape& shape = static_cast<const Source*>(args->geometryUserPtr)->shape;
-  const std::optional<float> t = first_distance(shape, query.ray);
-  if (!t) return;
-  query.ray.tfar = *t;
+  const std::optional<LocalHit> hit = first_hit(shape, query.ray);
+  if (!hit) return;
+  query.ray.tfar = hit->distance;
   query.hit.u = query.hit.v = 0.0f;
   // The place of the normal, which Embree passes on as it is, carries the point in object space.
-  query.hit.Ng_x = query.ray.org_x + *t * query.ray.dir_x;
-  query.hit.Ng_y = query.ray.org_y + *t * query.ray.dir_y;
-  query.hit.Ng_z = query.ray.org_z + *t * query.ray.dir_z;
+  query.hit.Ng_x = hit->point.x;
+  query.hit.Ng_y = hit->point.y;
+  query.hit.Ng_z = hit->point.z;
   query.hit.primID = 0;
   query.hit.geomID = args->geomID;
   query.hit.instID[0] = args->context->instID[0];
@@ -125,7 +128,7 @@ void user_occluded(const RTCOccludedFunctionNArguments* args) {
   assert(args->N == 1);
   auto& ray = *reinterpret_cast<RTCRay*>(args->ray);
   const Shape& shape = static_cast<const Source*>(args->geometryUserPtr)->shape;
-  if (first_distance(shape, ray)) ray.tfar = -std::numeric_limits<float>::infinity();
+  if (first_hit(shape, ray)) ray.tfar = -std::numeric_limits<float>::infinity();
 }
 
 /// Lets rays pass where the surface is not there.

@@ -20,7 +20,8 @@ TransformCurve::Value read_transform_value(const JsonValue& json) {
   if (const auto v = json.find("scale")) {
     store(v->triple(-kLargestNumber, kLargestNumber), 6);
     for (std::size_t i = 6; i < 9; ++i) {
-      if (static_cast<float>(value[i]) == 0.0f) v->fail("a scale must not be 0");
+      if (static_cast<float>(value[i]) == 0.0f)
+        v->fail("a scale must not be 0, nor less than floats hold (1.4e-45)");
     }
   }
   return value;
