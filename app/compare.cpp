@@ -20,6 +20,7 @@
 #include "app/cancel.h"
 #include "app/command.h"
 #include "app/compare_report.h"
+#include "app/compared_sequence.h"
 #include "app/console.h"
 #include "app/counted.h"
 #include "app/eye_names.h"
@@ -32,10 +33,8 @@
 #include "app/outputs.h"
 #include "app/parse_numbers.h"
 #include "app/report_file.h"
-#include "frame/io/exr.h"
 #include "frame/io/frame_range.h"
 #include "frame/io/layers.h"
-#include "frame/io/printable.h"
 #include "frame/io/sequence.h"
 
 namespace becalm::app {
@@ -121,30 +120,19 @@ class CompareJob {
   ExitStatus run();
 
  private:
-  /// A file's beauty, with where its first pixel lies.
-  struct Placed {
-    std::string path;
-    Image beauty;
-    Imath::V2i first;
-    Imath::V2d display_middle;
-  };
-
-  std::vector<const io::SequencePattern*> patterns() const;
-  void require_all_frames() const;
+  std::vector<ComparedSequence*> sequences();
+  void require_all_frames();
   ComparedFrame read(int frame);
-  Placed read_view(const io::SequencePattern& pattern, int frame);
-  Image read_like(const io::SequencePattern& pattern, int frame, const Placed& reference);
   std::vector<std::string> find_failures(const std::vector<FrameFigures>& figures) const;
   std::string json_text(const std::vector<FrameFigures>& figures,
                         const std::vector<std::string>& failures) const;
 
   const CompareCommand& command_;
-  const io::SequencePattern reference_;
-  const io::SequencePattern test_;
   const io::LayerOptions layers_;
-  std::optional<io::SequencePattern> reference_b_;
+  ComparedSequence reference_;
+  ComparedSequence test_;
+  std::optional<ComparedSequence> reference_b_;
   std::vector<int> frames_;
-  bool told_views_ = false;  ///< that other views are not measured
 };
 
 /// A number that the figure can be; where it bounds from above, no negative one.
@@ -165,9 +153,9 @@ CLI::Validator limit_of(const Figure& figure) {
 
 CompareJob::CompareJob(const CompareCommand& command)
     : command_(command),
-      reference_(command.reference),
-      test_(command.test),
-      layers_{.layers = io::parse_layer_overrides(command.layers)} {
+      layers_{.layers = io::parse_layer_overrides(command.layers)},
+      reference_(command.reference, layers_, command.view),
+      test_(command.test, layers_, command.view) {
   for (const std::string& text : {command.reference, command.test, command.reference_b}) {
     refuse_eye_field(text);
     refuse_folder(text);
@@ -180,53 +168,56 @@ CompareJob::CompareJob(const CompareCommand& command)
                               "independent noise",
                               command.reference_b));
     }
-    reference_b_.emplace(command.reference_b);
+    reference_b_.emplace(command.reference_b, layers_, command.view);
   }
-  frames_ = !command.frames.empty()        ? io::parse_frame_range(command.frames)
-            : reference_.has_frame_field() ? reference_.frames_on_disk()
-                                           : std::vector<int>{io::number_in_name(command.reference)};
+  const io::SequencePattern& reference = reference_.pattern();
+  frames_ = !command.frames.empty()       ? io::parse_frame_range(command.frames)
+            : reference.has_frame_field() ? reference.frames_on_disk()
+                                          : std::vector<int>{io::number_in_name(command.reference)};
   if (frames_.empty()) {
     throw Error(ExitStatus::bad_input, fmt::format("{}: no frame of this sequence is on disk{}",
-                                                   command.reference, reference_.hint_where_missing()));
+                                                   command.reference, reference.hint_where_missing()));
   }
-  for (const io::SequencePattern* pattern : patterns()) {
-    if (pattern->has_frame_field() || frames_.size() == 1) continue;
+  for (const ComparedSequence* sequence : sequences()) {
+    if (sequence->pattern().has_frame_field() || frames_.size() == 1) continue;
     throw Error(ExitStatus::usage, fmt::format("{}: {} frames need a frame field, such as ####.exr",
-                                               pattern->text(), frames_.size()));
+                                               sequence->pattern().text(), frames_.size()));
   }
   require_all_frames();
+  for (ComparedSequence* sequence : sequences()) sequence->choose_layer(frames_);
 }
 
 /// Before anything is measured: figures of frames before a missing one would be lost.
-void CompareJob::require_all_frames() const {
+void CompareJob::require_all_frames() {
   if (frames_.size() == 1) return;  // reading it tells
-  for (const io::SequencePattern* pattern : patterns()) {
+  for (const ComparedSequence* sequence : sequences()) {
+    const io::SequencePattern& pattern = sequence->pattern();
     std::vector<int> missing;
     std::ranges::copy_if(frames_, std::back_inserter(missing), [&](int frame) {
       std::error_code error;
-      return !std::filesystem::exists(pattern->path(frame), error) && !error;
+      return !std::filesystem::exists(pattern.path(frame), error) && !error;
     });
     if (missing.empty()) continue;
     std::vector<int> present;
     std::ranges::set_difference(frames_, missing, std::back_inserter(present));
     throw Error(ExitStatus::bad_input,
-                fmt::format("{}: no file for frame {} of {}{}{}", pattern->path(missing.front()),
+                fmt::format("{}: no file for frame {} of {}{}{}", pattern.path(missing.front()),
                             io::format_frame_range(missing), counted(frames_.size(), "frame", "frames"),
-                            pattern->hint_where_missing(),
+                            pattern.hint_where_missing(),
                             present.empty() ? ""
                                             : "; --frames " + io::format_frame_range(present) +
                                                   " compares those that are there"));
   }
 }
 
-std::vector<const io::SequencePattern*> CompareJob::patterns() const {
-  std::vector<const io::SequencePattern*> all{&reference_, &test_};
+std::vector<ComparedSequence*> CompareJob::sequences() {
+  std::vector<ComparedSequence*> all{&reference_, &test_};
   if (reference_b_) all.push_back(&*reference_b_);
   return all;
 }
 
 ComparedFrame CompareJob::read(int frame) {
-  Placed reference = read_view(reference_, frame);
+  PlacedBeauty reference = reference_.read(frame);
   ComparedFrame images{.frame = frame,
                        .first = reference.first,
                        .display_middle = reference.display_middle,
@@ -234,49 +225,11 @@ ComparedFrame CompareJob::read(int frame) {
                        .reference = {},
                        .reference_b = {},
                        .reference_mean = {}};
-  images.test = read_like(test_, frame, reference);
-  if (reference_b_) images.reference_b = read_like(*reference_b_, frame, reference);
+  images.test = test_.read_like(frame, reference);
+  if (reference_b_) images.reference_b = reference_b_->read_like(frame, reference);
   images.reference = std::move(reference.beauty);
   if (reference_b_) images.reference_mean = mean_image(images.reference, images.reference_b);
   return images;
-}
-
-CompareJob::Placed CompareJob::read_view(const io::SequencePattern& pattern, int frame) {
-  const std::string path = pattern.path(frame);
-  io::LoadedFrame file = io::read_exr(path, frame, {}, layers_);
-  std::vector<io::LoadedView*> views{&file};
-  for (io::LoadedView& view : file.other_views) views.push_back(&view);
-  std::vector<std::string> names;
-  names.reserve(views.size());
-  for (const io::LoadedView* view : views) names.push_back(io::printable(view->view));
-  const auto asked =
-      command_.view.empty() ? views.begin() : std::ranges::find(views, command_.view, &io::LoadedView::view);
-  if (asked == views.end()) {
-    throw Error(ExitStatus::bad_input, fmt::format("{}: no view '{}'; expected {}", path, command_.view,
-                                                   views.size() == 1 && names.front().empty()
-                                                       ? "a file of views"
-                                                       : fmt::format("{}", fmt::join(names, " or "))));
-  }
-  if (command_.view.empty() && views.size() > 1 && !told_views_) {
-    warn(fmt::format("{}: measured is the view {} of {}; --view names another", path, names.front(),
-                     fmt::join(names, ", ")));
-    told_views_ = true;
-  }
-  io::LoadedView& view = **asked;
-  const Imath::V2d middle = 0.5 * Imath::V2d(view.window.min + view.window.max);
-  return {path, std::move(view.frame.image(Aov::beauty)), view.window.min, middle + view.middle_px};
-}
-
-Image CompareJob::read_like(const io::SequencePattern& pattern, int frame, const Placed& reference) {
-  Placed file = read_view(pattern, frame);
-  const auto place = [](const Placed& of) {
-    return fmt::format("{}x{} from pixel ({}, {}) on", of.beauty.width(), of.beauty.height(), of.first.x,
-                       of.first.y);
-  };
-  if (file.beauty.same_shape(reference.beauty) && file.first == reference.first)
-    return std::move(file.beauty);
-  throw Error(ExitStatus::bad_input, fmt::format("{}: is {}, and {} is {}", file.path, place(file),
-                                                 reference.path, place(reference)));
 }
 
 ExitStatus CompareJob::run() {
@@ -290,7 +243,8 @@ ExitStatus CompareJob::run() {
   check_report_files(written);
   std::vector<FrameFigures> figures;
   Table table(command_.quiet ? nullptr : stream_beside(reports));
-  const int step = usual_step(reference_.has_frame_field() ? reference_.frames_on_disk() : frames_);
+  const int step =
+      usual_step(reference_.pattern().has_frame_field() ? reference_.pattern().frames_on_disk() : frames_);
   const auto tell = [&](const MeasuredFrame& measured) {
     const FrameFigures& frame = figures.emplace_back(measured.figures);
     table.print_row(std::to_string(frame.frame), frame);
@@ -398,7 +352,7 @@ Command add_compare(CLI::App& becalm) {
   parser
       .add_option(
           "--view", command->view,
-          "The view of stereo files that is compared, such as right (default: the files' default view)")
+          "The view of stereo files that is compared, such as right (default: the reference's default view)")
       ->option_text("NAME")
       ->group("Input");
   parser

@@ -57,12 +57,9 @@ FilterStage::FilterStage(FilterRecipe recipe, const FilterOptions& options)
 }
 
 std::string FilterStage::describe(const std::vector<int>& readable) const {
-  const std::string history = has_segments()
-                                  ? fmt::format("segment={} warmup={} context={}", segment_, warmup_,
-                                                context_.empty()     ? "all"
-                                                : context_ == "none" ? io::format_frame_range(readable)
-                                                                     : context_)
-                                  : fmt::format("first_frame={}", readable.front());
+  const std::string history = has_segments() ? fmt::format("segment={} warmup={} context={}", segment_,
+                                                           warmup_, context_.empty() ? "all" : context_)
+                                             : fmt::format("first_frame={}", readable.front());
   const std::string stereo = stereo_ == false ? " stereo=no" : "";
   return fmt::format("{} alpha={} additive={} diagnostics={} cuts={} {}{}", recipe_.settings,
                      recipe_.averages_alpha             ? "average"

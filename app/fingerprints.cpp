@@ -36,6 +36,7 @@ void Fingerprints::take(int frame) {
 
 io::Attributes Fingerprints::of(int frame) {
   ContentHash hash;
+  hash.add(static_cast<std::uint64_t>(frame));
   for (const int side : {window_.window.min.x, window_.window.min.y, window_.width(), window_.height()}) {
     hash.add(static_cast<std::uint64_t>(side));
   }

@@ -16,9 +16,10 @@
 namespace becalm::app {
 
 /// What outputs were made from, as they record it, so that --resume finds those whose inputs have changed
-/// since: of every frame, the size and the bytes of its file and the layers that were taken from it; and the
-/// window that the filter saw. Bytes, not decoded channels: an output also holds the channels that are passed
-/// on, and bytes cost a tenth of decoding them. May be called from any thread.
+/// since: of every frame, the size and the bytes of its file and the layers that were taken from it; the
+/// frame that the output shows; and the window that the filter saw. Bytes, not decoded channels: an output
+/// also holds the channels that are passed on, and bytes cost a tenth of decoding them. May be called from
+/// any thread.
 class Fingerprints {
  public:
   Fingerprints(const InputFrames& inputs, const FilterStage& filter, const io::LayerOptions& layers,

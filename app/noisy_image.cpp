@@ -17,14 +17,17 @@ namespace {
 /// Frames that are looked at; black ones may be a slate or a fade.
 constexpr std::size_t kMostFrames = 8;
 
-/// `ViewLayer.Noisy Image` beside the beauty `ViewLayer.Combined`, by layer or by part.
+/// `ViewLayer.Noisy Image` beside the beauty `ViewLayer.Combined`, by layer or by part. Of several views
+/// these names end in the view's.
 std::optional<NoisyImage> beside(const io::ExrView& view) {
   constexpr std::string_view denoised = "Combined";
   const io::LayerSource& beauty = *view.layers[static_cast<std::size_t>(Aov::beauty)];
   const std::string& channel = beauty.channels.front();
   const std::size_t dot = channel.rfind('.');
-  const std::string title = dot == std::string::npos ? view.part_names[static_cast<std::size_t>(beauty.part)]
-                                                     : channel.substr(0, dot);
+  std::string title = dot == std::string::npos ? view.part_names[static_cast<std::size_t>(beauty.part)]
+                                               : channel.substr(0, dot);
+  if (!view.view.empty() && title.ends_with('.' + view.view))
+    title.resize(title.size() - view.view.size() - 1);
   if (!title.ends_with(denoised)) return std::nullopt;
   return NoisyImage{title.substr(0, title.size() - denoised.size()) + "Noisy Image", title};
 }

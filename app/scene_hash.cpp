@@ -66,11 +66,12 @@ void add_materials(const fs::path& obj, Files& files) {
 }
 
 /// The files of every string in the scene that names one: meshes and images, under whichever key but those
-/// of names. Of meshes that bring their materials those, too.
+/// of references by name. Of meshes that bring their materials those, too.
 void add_named_files(const nlohmann::json& node, const fs::path& folder, Files& files) {
   if (node.is_structured()) {
     for (const auto& [key, child] : node.items()) {
-      if (key != "name" && key != "material") add_named_files(child, folder, files);
+      const bool is_reference = child.is_string() && (key == "name" || key == "material");
+      if (!is_reference) add_named_files(child, folder, files);
     }
     if (node.is_object() && node.contains("materials") && node["materials"] == "mtl" &&
         node.contains("obj") && node["obj"].is_string()) {

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
-#include <map>
 #include <optional>
 
 #include "frame/error.h"
@@ -284,7 +283,8 @@ std::string SequencePattern::path(int frame) const {
 std::vector<int> SequencePattern::frames_on_disk() const {
   std::vector<int> frames;
   if (!has_frame_field()) return frames;
-  std::string other_padding;
+  std::string other_padding;  // of a lone field
+  std::string wider;
   for (std::string_view number : numbers_on_disk(prefix_, suffix_, Unlistable::error)) {
     const std::string_view whole = number;
     const std::optional<int> frame = take_int(number);
@@ -293,12 +293,23 @@ std::vector<int> SequencePattern::frames_on_disk() const {
       frames.push_back(*frame);
     else if (frame && padding_is_found_)
       other_padding = whole;
+    else if (frame && whole.size() > number_text(*frame).size())
+      wider = whole;
   }
   if (!other_padding.empty() && !frames.empty()) {
     throw Error(ExitStatus::bad_input,
                 fmt::format("{}: {} and {}{}{} are padded differently; write #### or %d for those that are "
                             "meant",
                             text_, path(frames.front()), prefix_, other_padding, suffix_));
+  }
+  // Of 0999 and 1000, both padded alike, `%d` and `###` would take one.
+  const auto is_as_wide = [&](int frame) { return number_text(frame).size() >= wider.size(); };
+  if (!wider.empty() && !frames.empty() && std::ranges::all_of(frames, is_as_wide)) {
+    throw Error(
+        ExitStatus::bad_input,
+        fmt::format("{}: {}{}{} would be left out, since its number is padded wider; write {} to take "
+                    "both, or move it",
+                    text_, prefix_, wider, suffix_, std::string(wider.size(), '#')));
   }
   std::sort(frames.begin(), frames.end());
   return frames;

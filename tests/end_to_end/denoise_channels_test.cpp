@@ -67,26 +67,6 @@ std::set<std::string> channels_of(const std::string& path) {
   return names;
 }
 
-/// Layers that are each a share of the frame's beauty.
-void write_shares(const std::string& path, const Frame& frame, const std::map<std::string, float>& shares) {
-  Imf::Header header(kWidth, kHeight);
-  Imf::FrameBuffer buffer;
-  std::map<std::string, std::vector<float>> layers;
-  for (const auto& [layer, share] : shares) {
-    std::vector<float>& pixels = layers[layer];
-    for (const float value : frame.image(Aov::beauty).data()) pixels.push_back(share * value);
-    for (std::size_t c = 0; c < 3; ++c) {
-      const std::string name = layer + "RGB"[c];
-      header.channels().insert(name, Imf::Channel(Imf::FLOAT));
-      buffer.insert(name,
-                    Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(pixels.data() + c), 16, 16 * kWidth));
-    }
-  }
-  Imf::OutputFile file(path.c_str(), header);
-  file.setFrameBuffer(buffer);
-  file.writePixels(kHeight);
-}
-
 /// A beauty and two layers that share it out, as Arnold names them.
 void write_lobes(const std::string& path, const Frame& frame) {
   write_shares(path, frame, {{"", 1.0f}, {"diffuse.", 0.25f}, {"specular.", 0.75f}, {"rim.", 0.1f}});
@@ -124,6 +104,27 @@ TEST_F(Denoise, WhatBlenderDenoisedIsNotDenoisedAgain) {
 
   EXPECT_EQ(denoise(1.0f, 0.5f, {"--layers", "beauty=V.Combined"}).find(told), std::string::npos);
   EXPECT_TRUE(is_changed("V.Combined"));
+}
+
+TEST_F(Denoise, WhatBlenderDenoisedOfTwoEyesIsNotDenoisedAgain) {
+  std::map<std::string, float> shares;
+  for (const std::string eye : {"left", "right"}) {
+    shares["V.Combined." + eye + '.'] = 0.5f;
+    shares["V.Noisy Image." + eye + '.'] = eye == "left" ? 1.0f : 0.9f;
+  }
+  const std::vector<std::string> views{"left", "right"};
+  write_shares(frame_path(input_, 1), noise_frame(1), shares, views);
+  const Outcome outcome = becalm_done(command("out.####.exr"));
+  EXPECT_NE(outcome.err.find("V.Noisy Image is the beauty"), std::string::npos) << outcome.err;
+  for (const auto& [layer, is_kept] : {std::pair{"V.Combined", true}, {"V.Noisy Image", false}}) {
+    const auto read = [&](const std::string& path) {
+      return io::read_exr(path, 1, {}, {.layers = {{Aov::beauty, layer}}});
+    };
+    const io::LoadedFrame in = read(frame_path(input_, 1)), out = read(folder_ / "out.0001.exr");
+    const Frame &in_right = in.other_views.at(0).frame, &out_right = out.other_views.at(0).frame;
+    EXPECT_EQ(same_pixels(in.frame.image(Aov::beauty), out.frame.image(Aov::beauty)), is_kept) << layer;
+    EXPECT_EQ(same_pixels(in_right.image(Aov::beauty), out_right.image(Aov::beauty)), is_kept) << layer;
+  }
 }
 
 TEST_F(Denoise, AdditiveLayersStillAddUpToTheBeauty) {

@@ -1,5 +1,10 @@
 #include "tests/end_to_end/harness.h"
 
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfOutputFile.h>
+#include <ImfStandardAttributes.h>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -169,6 +174,27 @@ Frame noise_frame(int number, int width, int height) {
 
 AovSet all_aovs() {
   return AovSet().set();
+}
+
+void write_shares(const std::string& path, const Frame& frame, const std::map<std::string, float>& shares,
+                  const std::vector<std::string>& views) {
+  Imf::Header header(frame.width(), frame.height());
+  if (!views.empty()) Imf::addMultiView(header, views);
+  Imf::FrameBuffer buffer;
+  std::map<std::string, std::vector<float>> layers;
+  for (const auto& [layer, share] : shares) {
+    std::vector<float>& pixels = layers[layer];
+    for (const float value : frame.image(Aov::beauty).data()) pixels.push_back(share * value);
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::string name = layer + "RGB"[c];
+      header.channels().insert(name, Imf::Channel(Imf::FLOAT));
+      buffer.insert(
+          name, Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(pixels.data() + c), 16, 16 * frame.width()));
+    }
+  }
+  Imf::OutputFile file(path.c_str(), header);
+  file.setFrameBuffer(buffer);
+  file.writePixels(frame.height());
 }
 
 Frame read_frame(const std::string& path, AovSet aovs) {

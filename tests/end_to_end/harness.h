@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -83,6 +84,10 @@ void write_text(const std::string& path, const std::string& text);
 std::string write_scene(const TempFolder& folder);
 /// Colour noise of that size, the same for the same arguments, with albedo and normal.
 Frame noise_frame(int number, int width = 48, int height = 32);
+
+/// Layers that are each a share of the frame's beauty: `A.` for channels `A.R`, `A.G` and `A.B`.
+void write_shares(const std::string& path, const Frame& frame, const std::map<std::string, float>& shares,
+                  const std::vector<std::string>& views = {});
 
 Frame read_frame(const std::string& path, AovSet aovs = {});
 /// All AOVs that the tracer makes, for read_frame.

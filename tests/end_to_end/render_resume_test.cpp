@@ -80,6 +80,29 @@ TEST_F(Render, ResumeNoticesAnEditedMesh) {
   expect_error(becalm(command("a.####.exr", {"--resume"})), 2, {"a.0001.exr", "scene"});
 }
 
+TEST_F(Render, ResumeNoticesFilesOfMeshesAndMaterialsOfAnyName) {
+  const auto write_mesh = [&](int side) {
+    write_text(folder_ / "mesh.obj", fmt::format("v 0 0 0\nv {} 0 0\nv 0 1 0\nf 1 2 3\n", side));
+  };
+  const auto write_image = [&](int number) {
+    io::write_exr(folder_ / "image.exr", noise_frame(number, 4, 4), {});
+  };
+  write_text(
+      scene_,
+      R"({"film": {"width": 16, "height": 16}, "camera": {"look_at": {"eye": [0, 0, 4], "target": [0, 0, 0]}}, "environment": {"radiance": [1, 1, 1]},
+    "frames": {"first": 1, "last": 2}, "materials": {"plain": {"type": "diffuse", "reflectance": 0.5}, "material": {"type": "diffuse", "reflectance": {"image": "image.exr"}}},
+    "meshes": {"name": {"obj": "mesh.obj"}, "r": {"shape": "rectangle"}},
+    "objects": [{"mesh": "name", "material": "plain"}, {"mesh": "r", "material": "material"}]})");
+  write_mesh(1);
+  write_image(1);
+  render("a.####.exr", {"--frames", "1"});
+  write_mesh(2);
+  expect_error(becalm(command("a.####.exr", {"--resume"})), 2, {"a.0001.exr", "scene"});
+  write_mesh(1);
+  write_image(2);
+  expect_error(becalm(command("a.####.exr", {"--resume"})), 2, {"a.0001.exr", "scene"});
+}
+
 TEST_F(Render, ResumeNoticesAnEditedMaterialOfAMeshAndItsImage) {
   write_text(folder_ / "mesh.obj",
              "mtllib my mesh.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl m\nf 1/1 2/1 3/1\n");
