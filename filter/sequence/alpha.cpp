@@ -19,9 +19,19 @@ constexpr int kNoiseReach = 7;
 /// Edges have rough pixels only where they cross.
 constexpr int kFewestRough = 6;
 constexpr int kShareOfRough = 20;
-/// Transparent pixels within this distance of an empty pixel must be black. It is farther than a colour's own
-/// noise extends.
+/// Transparent pixels within this distance of an empty pixel must be black, and no alpha noisy. It is farther
+/// than a colour's own noise extends.
 constexpr int kEmptyReach = 2;
+
+/// Calls `body(x, y, i)` for every pixel and its index, on all threads.
+template <class Body>
+void for_each_pixel(int width, int height, const Body& body) {
+  for_rows(height, [&](int begin, int end) {
+    for (int y = begin; y < end; ++y) {
+      for (int x = 0; x < width; ++x) body(x, y, static_cast<std::size_t>(y) * width + x);
+    }
+  });
+}
 
 /// Sums of a mask over windows.
 class WindowSums {
@@ -87,32 +97,34 @@ std::vector<std::uint8_t> noisy_alpha(const Image& beauty) {
   const int height = beauty.height();
   std::vector<std::uint8_t> differs(beauty.pixel_count());
   std::vector<std::uint8_t> rough(beauty.pixel_count());
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) {
-      const Steps steps = steps_at(beauty, x, y);
-      const std::size_t i = static_cast<std::size_t>(y) * width + x;
-      differs[i] = steps.any ? 1 : 0;
-      rough[i] = steps.reverses ? 1 : 0;
-    }
-  }
+  for_each_pixel(width, height, [&](int x, int y, std::size_t i) {
+    const Steps steps = steps_at(beauty, x, y);
+    differs[i] = steps.any ? 1 : 0;
+    rough[i] = steps.reverses ? 1 : 0;
+  });
   const WindowSums count_differing(differs, width, height);
   const WindowSums count_rough(rough, width, height);
   std::vector<std::uint8_t> noisy(beauty.pixel_count());
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) {
-      const std::size_t i = static_cast<std::size_t>(y) * width + x;
-      const int found = count_rough.around(x, y, kNoiseReach);
-      const bool many =
-          found >= kFewestRough && kShareOfRough * found >= count_differing.around(x, y, kNoiseReach);
-      noisy[i] = differs[i] != 0 && many ? 1 : 0;
-    }
-  }
+  for_each_pixel(width, height, [&](int x, int y, std::size_t i) {
+    const int found = count_rough.around(x, y, kNoiseReach);
+    const bool many =
+        found >= kFewestRough && kShareOfRough * found >= count_differing.around(x, y, kNoiseReach);
+    noisy[i] = differs[i] != 0 && many ? 1 : 0;
+  });
   return noisy;
 }
 
-std::vector<std::uint8_t> empty_pixels(const Image& beauty) {
+bool has_transparent_pixels(const Image& beauty) {
+  return sum_of_rows<int>(beauty.height(), [&](int y) {
+           int of_row = 0;
+           for (int x = 0; x < beauty.width(); ++x) of_row += beauty.at(x, y, 3) == 0.0f ? 1 : 0;
+           return of_row > 0 ? 1 : 0;
+         }) > 0;
+}
+
+std::vector<std::uint8_t> empty_pixels(const Image& beauty, std::span<const std::uint8_t> noisy) {
   std::vector<std::uint8_t> black(beauty.pixel_count());
-  std::vector<std::uint8_t> glows(beauty.pixel_count());
+  std::vector<std::uint8_t> filled(beauty.pixel_count());  // though they may be transparent
   const std::size_t empty = sum_of_rows<std::size_t>(beauty.height(), [&](int y) {
     std::size_t of_row = 0;
     for (int x = 0; x < beauty.width(); ++x) {
@@ -121,7 +133,7 @@ std::vector<std::uint8_t> empty_pixels(const Image& beauty) {
       const bool transparent = pixel[3] == 0.0f;
       const bool is_black = pixel[0] == 0.0f && pixel[1] == 0.0f && pixel[2] == 0.0f;
       black[i] = transparent && is_black ? 1 : 0;
-      glows[i] = transparent && !is_black ? 1 : 0;
+      filled[i] = (transparent && !is_black) || noisy[i] != 0 ? 1 : 0;
       of_row += transparent ? 1 : 0;
     }
     return of_row;
@@ -129,13 +141,10 @@ std::vector<std::uint8_t> empty_pixels(const Image& beauty) {
   if (empty == 0) return black;
   const bool has_matte = empty < beauty.pixel_count();
   if (!has_matte) return std::vector<std::uint8_t>(beauty.pixel_count());
-  const WindowSums count_glowing(glows, beauty.width(), beauty.height());
-  for (int y = 0; y < beauty.height(); ++y) {
-    for (int x = 0; x < beauty.width(); ++x) {
-      const std::size_t i = static_cast<std::size_t>(y) * beauty.width() + x;
-      if (count_glowing.around(x, y, kEmptyReach) > 0) black[i] = 0;
-    }
-  }
+  const WindowSums count_filled(filled, beauty.width(), beauty.height());
+  for_each_pixel(beauty.width(), beauty.height(), [&](int x, int y, std::size_t i) {
+    if (count_filled.around(x, y, kEmptyReach) > 0) black[i] = 0;
+  });
   return black;
 }
 

@@ -82,9 +82,13 @@ TEST(EmptyPixels, AreThoseWithoutColourWhereTransparentPixelsHaveNone) {
   beauty.at(0, 0, 3) = 1.0f;  // black and opaque
   beauty.at(8, 0, 0) = 2.0f;  // light without alpha
   const std::vector<std::uint8_t> expected{0, 1, 1, 1, 1, 1, 0, 0, 0};
-  EXPECT_EQ(empty_pixels(beauty), expected);
+  std::vector<std::uint8_t> noisy(9);
+  EXPECT_EQ(empty_pixels(beauty, noisy), expected);
+  noisy[1] = 1;
+  EXPECT_EQ(empty_pixels(beauty, noisy), (std::vector<std::uint8_t>{0, 0, 0, 0, 1, 1, 0, 0, 0}));
+  noisy[1] = 0;
   beauty.at(0, 0, 3) = 0.0f;
-  EXPECT_EQ(std::ranges::count(empty_pixels(beauty), 1), 0) << "no matte at all";
+  EXPECT_EQ(std::ranges::count(empty_pixels(beauty, noisy), 1), 0) << "no matte at all";
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include "filter/merge/additive.h"
 #include "filter/sequence/sequence_filter.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -108,6 +109,40 @@ TEST_F(SequenceInputTest, NoAovsValuesReachFurtherThanTheirPixel) {
       }
     }
   }
+}
+
+TEST_F(SequenceInputTest, SoftEdgesOfFewSamplesKeepTheirLightAndAlpha) {
+  constexpr int width = 96, height = 64, samples = 4;
+  constexpr float light = 0.5f;
+  const auto coverage = [](int x, int y) {
+    return std::clamp((32.0f - std::hypot(x - 47.5f, y - 31.5f)) / 20.0f, 0.0f, 1.0f);
+  };
+  SequenceFilter filter(device(), preset("draft"), width, height, AovSet(), {.alpha = Alpha::denoise});
+  double covered = 0.0, shown = 0.0, alpha = 0.0;
+  for (int number = 1; number <= 4; ++number) {
+    std::mt19937 random(static_cast<unsigned>(number));
+    std::normal_distribution<float> noise(1.0f, 0.2f);
+    Frame frame(number, width, height);
+    Image& beauty = frame.add(Aov::beauty);
+    for (int y = 0; y < height; ++y) {
+      for (int x = 0; x < width; ++x) {
+        std::binomial_distribution<int> hits(samples, coverage(x, y));
+        beauty.at(x, y, 3) = static_cast<float>(hits(random)) / samples;
+        for (int c = 0; c < 3; ++c) beauty.at(x, y, c) = beauty.at(x, y, 3) * light * noise(random);
+      }
+    }
+    const Image denoised = denoise_frame(filter, frame).frame.image(Aov::beauty);
+    for (int y = 0; y < height; ++y) {
+      for (int x = 0; x < width; ++x) {
+        if (coverage(x, y) > 0.3f) continue;
+        covered += coverage(x, y);
+        shown += denoised.at(x, y, 1);
+        alpha += denoised.at(x, y, 3);
+      }
+    }
+  }
+  EXPECT_NEAR(shown / (light * covered), 1.0, 0.1);
+  EXPECT_NEAR(alpha / covered, 1.0, 0.1);
 }
 
 TEST_F(SequenceInputTest, BlackFramesStayBlackAndHoldNothingBack) {
