@@ -56,10 +56,46 @@ std::span<const float> row_of(const Image& color, int y) {
   return color.data().subspan(values * static_cast<std::size_t>(y), values);
 }
 
+/// A factor, and the light that it applies to.
+struct Weighted {
+  double factor;
+  double light;
+};
+
+/// Interpolates between two factors. One that applies to less than kUnseen of the other's light counts less:
+/// what traces of light in a black block ask for is nothing for the lit pixels beside it.
+class BetweenFactors {
+ public:
+  BetweenFactors(const Weighted& low, const Weighted& high)
+      : low_(low.factor),
+        high_(high.factor),
+        weight_of_low_(low.light > 0.0 ? low.light / (low.light + kUnseen * high.light) : 0.0),
+        weight_of_high_(high.light > 0.0 ? high.light / (high.light + kUnseen * low.light) : 0.0) {}
+  double at(double share) const {
+    const double weight = mix(weight_of_low_, weight_of_high_, share);
+    return weight > 0.0 ? mix(low_, high_, share * weight_of_high_ / weight) : mix(low_, high_, share);
+  }
+
+ private:
+  double low_;
+  double high_;
+  double weight_of_low_;
+  double weight_of_high_;
+};
+
+/// Of a column of blocks.
+Weighted factor_in_column(const BlockGrid& grid, int x, const Between& y, std::size_t channel) {
+  const auto value = [&](int v) -> Weighted {
+    const Block& block = grid.at(x, v);
+    return {block.factor[channel], std::max(block.restorable[channel], 0.0)};
+  };
+  const Weighted low = value(y.low), high = value(y.high);
+  return {BetweenFactors(low, high).at(y.share), mix(low.light, high.light, y.share)};
+}
+
 double factor_between(const BlockGrid& grid, const Between& x, const Between& y, std::size_t channel) {
-  const auto value = [&](int u, int v) { return grid.at(u, v).factor[channel]; };
-  return mix(mix(value(x.low, y.low), value(x.high, y.low), x.share),
-             mix(value(x.low, y.high), value(x.high, y.high), x.share), y.share);
+  return BetweenFactors(factor_in_column(grid, x.low, y, channel), factor_in_column(grid, x.high, y, channel))
+      .at(x.share);
 }
 
 /// Variance of the mean of a pixel's channel according to the frame's AOVs; negative or not finite if
@@ -204,16 +240,21 @@ void apply(const BlockGrid& grid, const Restorable& restorable, Estimate& estima
   for (int x = 0; x < width; ++x) columns.emplace_back((x + 0.5) / grid.block_px - 0.5, grid.width);
   const auto scale_row = [&](int y) {
     const Between row((y + 0.5) / grid.block_px - 0.5, grid.height);
-    std::vector<Channels> along(static_cast<std::size_t>(grid.width));
+    std::vector<std::array<BetweenFactors, 3>> after;  // between a column of blocks and the next
+    after.reserve(static_cast<std::size_t>(grid.width));
     for (int x = 0; x < grid.width; ++x) {
-      for (std::size_t c = 0; c < 3; ++c) along[x][c] = factor_between(grid, {double(x), grid.width}, row, c);
+      const auto along = [&](std::size_t c) {
+        return BetweenFactors(factor_in_column(grid, x, row, c),
+                              factor_in_column(grid, std::min(x + 1, grid.width - 1), row, c));
+      };
+      after.push_back({along(0), along(1), along(2)});
     }
     const std::vector<double> weights = restorable.weights(row_of(estimate.color, y));
     restorable.for_row(y, [&](std::size_t x, const Allowance& allowed) {
       const std::size_t i = static_cast<std::size_t>(y) * width + x;
       const Between& column = columns[x];
       for (std::size_t c = 0; c < 3; ++c) {
-        const double of_block = mix(along[column.low][c], along[column.high][c], column.share);
+        const double of_block = after[column.low][c].at(column.share);
         const auto factor = static_cast<float>(allowed.factor(of_block, weights[x]));
         multiply(estimate.color.data()[4 * i + c], factor);
         for (Image& image : estimate.carried) multiply(image.data()[4 * i + c], factor);
