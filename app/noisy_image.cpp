@@ -65,7 +65,7 @@ std::optional<NoisyImage> take_noisy_image(const std::vector<NumberedFile>& file
   for (const NumberedFile& file : std::span(files).first(std::min(files.size(), kMostFrames))) {
     stop_if_asked();
     try {
-      const auto noisy = beside(io::read_exr_header(file.path, layers, io::CheckChunks::no).front());
+      auto noisy = beside(io::read_exr_header(file.path, layers, io::CheckChunks::no).front());
       if (!noisy) return std::nullopt;
       if (const std::optional<bool> is_other = differ(file.path, *noisy, layers)) {
         if (!*is_other) return std::nullopt;
