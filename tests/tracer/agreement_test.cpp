@@ -1,5 +1,6 @@
 // Light sampling alone, material sampling alone and both must agree in expectation: errors in a pdf, a
 // weight, a visibility or the light's choice show as a difference.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -92,6 +93,35 @@ TEST(Agreement, EnvironmentWithAreaLights) {
             "'x': {'type': 'conductor', 'reflectance': 0.8, 'roughness': 0.4}",
             "{'mesh': 'ball', 'material': 'x', 'transform': {'scale': 0.7, 'translate': [0.2,0.7,0.5]}}, " +
                 kLamps));
+}
+
+/// Means over a lone two-sided lamp of emission 1 that fills the image, with each way to find direct light.
+std::vector<double> lone_lamp(const std::string& shape, double distance) {
+  const double x = 0.8 * distance, y = 0.27 * distance, z = 0.53 * distance;
+  std::vector<double> means;
+  for (const char* direct : {"light", "material", "mis', 'heuristic': 'balance", "mis"}) {
+    Scene scene = load_text(fmt::format(
+        R"({{'film': {{'width': 8, 'height': 8}}, 'integrator': {{'max_depth': 1, 'direct': '{}'}},
+        'camera': {{'fov_y_deg': 2, 'look_at': {{'eye': [{},{},{}], 'target': [{},{},{}]}}}},
+        'materials': {{'white': {{'type': 'diffuse', 'reflectance': 0.8}}}}, 'meshes': {{'lamp': {}}},
+        'objects': [{{'mesh': 'lamp', 'material': 'white', 'emission': 1, 'two_sided': true,
+          'transform': {{'scale': 0.3, 'rotate_deg': [37,21,64], 'translate': [{},{},{}]}}}}]}})",
+        direct, x, y, z + 3, x, y, z, shape, x, y, z));
+    means.push_back(mean_radiance(render_frame(scene, 1, options(16, {Aov::variance})).value()).value);
+  }
+  return means;
+}
+
+TEST(Agreement, FlatLampsDoNotLightThemselvesFarFromTheOrigin) {
+  write_file("triangle.obj", "v -2 -1 1\nv 2 -1 0\nv 0 2 -0.5\nf 1 2 3\n");
+  for (const char* shape :
+       {"{'shape': 'rectangle'}", "{'obj': 'triangle.obj'}", "{'shape': 'disc'}", "{'shape': 'cube'}"}) {
+    for (const double distance : {0.0, 10.0, 100.0, 1000.0}) {
+      for (const double mean : lone_lamp(shape, distance)) {
+        EXPECT_NEAR(mean, 1.0, 1e-6) << shape << " at " << distance;
+      }
+    }
+  }
 }
 
 }  // namespace

@@ -27,10 +27,12 @@ AreaLight::View AreaLight::view(const Receiver& at) const {
   const V3d to_center = to_p0 + (V3d(edge1) + V3d(edge2)) * (quad ? 0.5 : 1.0 / 3.0);
   const double above = -V3d(normal).dot(to_center);
   const double squared = to_center.dot(to_center);
-  // Rounding hides the side of a receiver that is almost in the plane, as on the light itself.
-  constexpr double least_sine_squared = 1e-12;
-  const bool lit = (above > 0.0 || two_sided) && above * above > least_sine_squared * (squared + area) &&
-                   std::isfinite(squared);
+  // Rounding hides the side of a receiver that is almost in the plane, as on the light itself. What the light
+  // sends there is left to the directions that the material draws.
+  constexpr double least_sine_squared = 1e-12, rounding = 0x1p-20;
+  const double least_height = rounding * std::max(extent, largest_coordinate(at.position));
+  const bool lit = (above > 0.0 || two_sided) && std::abs(above) > least_height &&
+                   above * above > least_sine_squared * (squared + area) && std::isfinite(squared);
   return {to_p0, squared, area > 0.0 && lit ? std::abs(above) : 0.0};
 }
 
