@@ -111,6 +111,7 @@ class Path {
   bool step();
   void escape();
   void see_primary(std::uint32_t object, float distance, const PointMotion& point);
+  void see_primary_medium(float t);
   bool cross_interface(const ObjectState& object, const Hit& hit, const Surface& surface);
   bool scatter_in_medium(const Medium& medium, float t);
   void gather_direct_light_in_medium(const V3f& position, float g, const LightNumbers& u);

@@ -13,12 +13,18 @@ bool Path<F>::cross_interface(const ObjectState& object, const Hit& hit, const S
   return true;
 }
 
+/// Records that what the camera's ray meets first is the medium, which is taken to stand still.
+template <Features F>
+void Path<F>::see_primary_medium(float t) {
+  const V3d position(ray_.origin + ray_.dir * t);
+  see_primary(interiors_.innermost(), t, {position, position});
+}
+
 template <Features F>
 bool Path<F>::scatter_in_medium(const Medium& medium, float t) {
   const V3f position = ray_.origin + ray_.dir * t;
   if (depth_ == 0) {
-    // The medium is taken to stand still.
-    see_primary(interiors_.innermost(), t, {V3d(position), V3d(position)});
+    if (!result_.covered) see_primary_medium(t);
     if constexpr (F.guides) result_.guides.albedo = clamp_to_unit(throughput_);
   } else if (F.guides && scatterings_ == 0) {
     result_.guides.albedo = clamp_to_unit(throughput_ / radiance_scale_);

@@ -36,8 +36,13 @@ bool Path<F>::step() {
     MediumRandom random(sampler_.next_2d());
     if (!interiors_.empty()) {
       const Medium& medium = *snapshot_.object(interiors_.innermost()).interior;
-      const MediumSample event =
-          sample_distance(medium, ray_.origin, ray_.dir, hit ? hit->t : kInfinity, random, throughput_);
+      const float t_max = hit ? hit->t : kInfinity;
+      const MediumSample event = sample_distance(medium, ray_.origin, ray_.dir, t_max, random, throughput_);
+      if (depth_ == 0 && !result_.covered) {
+        // The radiance passes by its share, without noise; only what the eye meets first is drawn.
+        if (const std::optional<float> t = sample_absorption(medium, t_max, random, throughput_))
+          see_primary_medium(*t);
+      }
       throughput_ *= event.weight;
       if (event.scattered) return scatter_in_medium(medium, event.t);
       if (is_black(throughput_)) {  // too deep for any light to pass
@@ -56,7 +61,7 @@ bool Path<F>::step() {
   if constexpr (F.textures)
     differential_ = transferred(differential_, ray_.dir, hit->t, surface.normal_geometric);
   if (F.media && object.material->is_interface) return cross_interface(object, *hit, surface);
-  if (depth_ == 0)
+  if (depth_ == 0 && !result_.covered)
     see_primary(hit->object, hit->t, F.guides ? point_motion(object, *hit, time_) : PointMotion{});
   gather_emission(object, *hit, surface);
   if (context_.log != nullptr) {
@@ -67,7 +72,8 @@ bool Path<F>::step() {
 
 template <Features F>
 void Path<F>::escape() {
-  if (depth_ == 0) result_.covered = snapshot_.description().environment.has_value();
+  const bool is_first = depth_ == 0 && !result_.covered;
+  if (is_first) result_.covered = snapshot_.description().environment.has_value();
   snapshot_.lights().for_each_infinite(
       ray_.dir, [&](const V3f& radiance, std::uint16_t group, const auto& pdf) {
         if (!is_black(radiance))
@@ -75,7 +81,7 @@ void Path<F>::escape() {
       });
   if constexpr (F.guides) {
     if (scatterings_ == 0) result_.guides.albedo = clamp_to_unit(throughput_ / radiance_scale_);
-    if (depth_ == 0) {
+    if (is_first) {
       const V3d dir(ray_.dir);
       result_.guides.motion = motion(context_.cameras.current(time_).project_direction(dir),
                                      context_.cameras.previous(time_).project_direction(dir));

@@ -29,8 +29,9 @@ struct Guides {
 
 struct PathSample {
   V3f radiance{0.0f};
-  bool covered = false;  ///< whether the primary ray hit a surface or there is an environment behind
-  Guides guides;         ///< only if asked for
+  /// Whether the primary ray met a surface, was scattered or absorbed, or there is an environment behind.
+  bool covered = false;
+  Guides guides;  ///< only if asked for
 };
 
 /// One scattering event, for whoever replays a path.

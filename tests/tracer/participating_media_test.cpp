@@ -276,5 +276,41 @@ TEST(Media, HideWhatIsBehindWithTheirGuides) {
   EXPECT_EQ(of_black.image(Aov::albedo).at(1, 1, 1), 0.0f);
 }
 
+TEST(Media, CoverByWhatTheyAbsorb) {
+  // A plate that absorbs, alone and before a wall, leaves the same traces whether or not it scatters a
+  // little.
+  const auto frame_of = [](const std::string& albedo, const std::string& more) {
+    Scene scene = load_text(participating_media_test::scene(
+        "'max_depth': 4", kAlongZ,
+        "'smoke': {'type': 'homogeneous', 'extinction': [2,1.5,1], 'albedo': " + albedo + "}",
+        "{'mesh': 'box', 'interior': 'smoke', 'material': 'air', " + kSlab + "}" + more, "",
+        "'width': 16, 'height': 16"));
+    return render_frame(scene, 1, options(64, {Aov::variance, Aov::depth, Aov::object_id})).value();
+  };
+  const auto mean_of = [](const Frame& frame, Aov aov, int channel) {
+    double sum = 0.0;
+    for (int y = 0; y < 16; ++y) {
+      for (int x = 0; x < 16; ++x) sum += frame.image(aov).at(x, y, channel);
+    }
+    return sum / (16 * 16);
+  };
+  const double truth = 1.0 - (std::exp(-3.0) + std::exp(-2.25) + std::exp(-1.5)) / 3.0;
+  for (const char* albedo : {"0", "1e-3"}) {
+    const Frame alone = frame_of(albedo, "");
+    EXPECT_NEAR(mean_of(alone, Aov::beauty, 3), truth, 0.012) << albedo;  // four standard errors
+    EXPECT_EQ(mean_of(alone, Aov::object_id, 0), 1.0) << albedo;
+    EXPECT_NEAR(mean_of(alone, Aov::depth, 0), 19.74, 0.05) << albedo;
+    const Frame before =
+        frame_of(albedo, ", {'mesh': 'box', 'material': 'black', 'transform': {'translate': [0,0,-6]}}");
+    EXPECT_EQ(mean_of(before, Aov::beauty, 3), 1.0) << albedo;
+    EXPECT_EQ(mean_of(before, Aov::object_id, 0), 1.0) << albedo;
+  }
+  // The radiance that passes has no noise.
+  const Frame lit = frame_of(
+      "0", ", {'mesh': 'box', 'material': 'black', 'emission': 1, 'transform': {'translate': [0,0,-6]}}");
+  EXPECT_NEAR(mean_of(lit, Aov::beauty, 0), std::exp(-3.0), 1e-4);
+  EXPECT_LT(mean_of(lit, Aov::variance, 0), 1e-10);
+}
+
 }  // namespace
 }  // namespace becalm::tracer::test::participating_media_test

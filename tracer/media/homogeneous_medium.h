@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "tracer/math/vec.h"
 #include "tracer/media/medium_random.h"
 #include "tracer/media/medium_sample.h"
@@ -26,5 +28,10 @@ V3f transmittance(const HomogeneousMedium& medium, float distance);
 /// or not finite counts as white.
 MediumSample sample_distance(const HomogeneousMedium& medium, float t_max, MediumRandom& random,
                              const V3f& throughput);
+
+/// Where light is absorbed before `t_max` in a medium that only absorbs, drawn as sample_distance() does for
+/// one that hardly scatters; nothing in others.
+std::optional<float> sample_absorption(const HomogeneousMedium& medium, float t_max, MediumRandom& random,
+                                       const V3f& throughput);
 
 }  // namespace becalm::tracer

@@ -10,6 +10,12 @@ MediumSample sample_distance(const Medium& medium, const V3f& origin, const V3f&
   return sample_distance(std::get<HomogeneousMedium>(medium), t_max, random, throughput);
 }
 
+std::optional<float> sample_absorption(const Medium& medium, float t_max, MediumRandom& random,
+                                       const V3f& throughput) {
+  const auto* homogeneous = std::get_if<HomogeneousMedium>(&medium);
+  return homogeneous ? sample_absorption(*homogeneous, t_max, random, throughput) : std::nullopt;
+}
+
 V3f transmittance(const Medium& medium, const V3f& origin, const V3f& dir, float t_max,
                   MediumRandom& random) {
   if (const auto* grid = std::get_if<GridMedium>(&medium)) {
