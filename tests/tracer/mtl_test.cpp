@@ -115,6 +115,10 @@ TEST(Mtl, Images) {
   EXPECT_NEAR(bsdf.alpha, 0.25f, 1e-6f);
   EXPECT_NEAR(bsdf.metal, 0.25f, 1e-6f);
   EXPECT_NEAR(opacity(material, {0.5f, 0.5f}), 0.25f, 0.5f / 255.0f);
+  for (const char* half : {"d 0.5\n", "Tr 0.5\n"}) {
+    EXPECT_NEAR(opacity(only("newmtl m\nmap_d mask.exr\n" + std::string(half)), {0.5f, 0.5f}), 0.125f,
+                0.25f / 255.0f);
+  }
   ASSERT_TRUE(material.bump && material.normal_map);
   EXPECT_EQ(material.bump->scale, 0.125f);
   EXPECT_EQ(reader.data(material.normal_map->texture, {{0.5f, 0.5f}}), V3f(0.25f, 0.5f, 0.75f));

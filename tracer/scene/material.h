@@ -87,7 +87,7 @@ struct Material {
   bool textured = false;      ///< whether the BSDF varies over the surface
   bool is_interface = false;  ///< no BSDF at all: light crosses it unbent, only the medium changes
   float opacity = 1.0f;       ///< [0,1], share of the surface that is there
-  std::optional<AlphaMask> opacity_mask;  ///< in place of `opacity`
+  std::optional<AlphaMask> opacity_mask;  ///< times `opacity`
   std::optional<BumpMap> bump;
   std::optional<NormalMap> normal_map;
 };
@@ -105,7 +105,7 @@ inline bool has_alpha(const Material& material) {
 }
 /// Probability in [0,1] that a ray meets the surface.
 inline float opacity(const Material& material, const V2f& uv) {
-  return material.opacity_mask ? material.opacity_mask->opacity(uv) : material.opacity;
+  return material.opacity_mask ? material.opacity * material.opacity_mask->opacity(uv) : material.opacity;
 }
 
 /// The BSDF at that place: for materials without textures a copy of the ready one. Not of a mix.
