@@ -74,7 +74,12 @@ TEST(Mtl, IlluminationModels) {
     EXPECT_EQ(m.roughness.value, 0.0f);
     EXPECT_FALSE(has_alpha(glass)) << "d of glass is no hole";
   }
-  EXPECT_EQ(std::get<DielectricMaterial>(only("newmtl g\nillum 4\n").model).ior, 1.5f);
+  const auto ior = [](const std::string& lines) {
+    return std::get<DielectricMaterial>(only("newmtl g\n" + lines).model).ior;
+  };
+  EXPECT_EQ(ior("illum 4\n"), 1.5f);
+  EXPECT_EQ(ior("illum 7\nNi 1\n"), 1.0f);
+  EXPECT_EQ(ior("illum 7\nNi 0.5\n"), 1.5f) << "left out";
   for (const char* illum : {"3", "5"}) {
     const Material mirror = only(std::string("newmtl m\nKs 0.9 0.8 0.7\nillum ") + illum + "\n");
     EXPECT_EQ(std::get<ConductorMaterial>(mirror.model).reflectance.value, V3f(0.9f, 0.8f, 0.7f));
@@ -181,6 +186,36 @@ TEST(Mtl, WarnsOfNumbersOutOfRange) {
   EXPECT_EQ(warnings("map_Pr -clamp on grey.exr"),
             place + "map_Pr: '-clamp on' is not supported; the image repeats");
   EXPECT_EQ(warnings("Kd 1 1 0\nKe 20 0 0\nNi 1\nNs 900\nillum 2\nd 0"), "0");
+}
+
+TEST(Mtl, GreenAndBlueAreAsRedIfLeftOut) {
+  const Loaded loaded = load("newmtl m\nKd 0.5\nKe 2 # white\n");
+  EXPECT_EQ(std::get<PrincipledMaterial>(loaded.materials.at(0).material.model).base_color.value, V3f(0.5f));
+  EXPECT_EQ(loaded.materials[0].emission, V3f(2.0f));
+  EXPECT_TRUE(loaded.warnings.empty());
+  EXPECT_EQ(mtl_error("newmtl a\nKd 0.1 0.2\n"), "m.mtl: line 2: 'Kd' needs 3 finite numbers, found ''");
+  EXPECT_EQ(mtl_error("newmtl a\nKd\n"), "m.mtl: line 2: 'Kd' needs 3 finite numbers, found ''");
+}
+
+TEST(Mtl, WarnsOfFormsThatAreNotSupported) {
+  const Loaded loaded = load(
+      "newmtl a\nd -halo 0.5\nKd spectral file.rfl 0.5\nKs xyz 0.1 0.2 0.3\nPr 0.25\nnewmtl b\nKd xyz "
+      "0.5\nKd 1 0 0\n");
+  ASSERT_EQ(loaded.warnings.size(), 4u);
+  EXPECT_EQ(without_folder(loaded.warnings[0]),
+            "m.mtl: line 2: material 'a': d: '-halo' is not supported; left out");
+  EXPECT_EQ(without_folder(loaded.warnings[1]),
+            "m.mtl: line 3: material 'a': Kd: 'spectral' is not supported; left out");
+  EXPECT_EQ(without_folder(loaded.warnings[2]),
+            "m.mtl: line 4: material 'a': Ks: 'xyz' is not supported; left out");
+  const Material& a = loaded.materials.at(0).material;
+  EXPECT_EQ(a.opacity, 1.0f);
+  const auto& m = std::get<PrincipledMaterial>(a.model);
+  EXPECT_EQ(m.base_color.value, V3f(0.8f)) << "as without";
+  EXPECT_EQ(m.ior, 1.5f);
+  EXPECT_EQ(m.roughness.value, 0.25f);
+  EXPECT_EQ(std::get<PrincipledMaterial>(loaded.materials.at(1).material.model).base_color.value,
+            V3f(1, 0, 0));
 }
 
 TEST(Mtl, ByteOrderMarksContinuedLinesAndComments) {

@@ -92,6 +92,14 @@ TEST(Obj, CountsBackwardFromNegativeIndicesAndAcceptsWindowsLines) {
   EXPECT_EQ(mesh.positions[mesh.triangles[0][2]], V3f(1, 1, 1));
 }
 
+TEST(Obj, VIs0IfLeftOut) {
+  const Mesh mesh = load_obj(write_file("m.obj", kCorners + "vt 0.5 # u\nvt 0.25 1 0\nf 1/1 2/2 3/1\n"));
+  ASSERT_EQ(mesh.uvs.size(), 3u);
+  EXPECT_EQ(mesh.uvs[mesh.triangles[0][0]], V2f(0.5f, 0.0f));
+  EXPECT_EQ(mesh.uvs[mesh.triangles[0][1]], V2f(0.25f, 1.0f));
+  EXPECT_EQ(obj_error("vt\n"), "m.obj: line 1: 'vt' needs 2 finite numbers, found ''");
+}
+
 TEST(Obj, AcceptsLinesThatEndInACarriageReturn) {
   const Mesh mesh = load_obj(write_file("m.obj", "v 0 0 0\rv 1 0 0\rv 1 1 0\r\rf 1 2 3\r"));
   EXPECT_EQ(mesh.triangles.size(), 1u);

@@ -49,7 +49,7 @@ class Translator {
     if (has_illum && (mtl_.illum == 4 || mtl_.illum == 6 || mtl_.illum == 7 || mtl_.illum == 9)) {
       clear = true;
       material.model =
-          DielectricMaterial{.ior = mtl_.ior > 1.0f ? std::min(mtl_.ior, 10.0f) : 1.5f,
+          DielectricMaterial{.ior = has("Ni") && mtl_.ior >= 1.0f ? std::min(mtl_.ior, 10.0f) : 1.5f,
                              .roughness = {roughness(0.0f)},
                              .transmittance = {has("Tf") ? unit_color(mtl_.transmittance) : V3f(1.0f)}};
     } else if (has_illum && (mtl_.illum == 3 || mtl_.illum == 5) && !is_black(specular)) {

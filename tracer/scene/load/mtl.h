@@ -21,16 +21,17 @@ struct MtlMaterial {
 /// threads with the same textures.
 ///
 /// Materials with any of Pr, Pm, Ps, Pc, Pcr, aniso, anisor or their maps are principled; without these,
-/// illum 4, 6, 7 and 9 are a dielectric (Ni, or 1.5; Tf, or 1), illum 3 and 5 with a Ks a conductor of that
-/// reflectance, and all else principled. Roughness is Pr, or that of the Phong exponent Ns with the same
-/// slope: alpha = sqrt(2 / (Ns + 2)) (Walter et al. 2007, eq. 20); Ns absent: 1. What is not metal has the
-/// index Ni if it is above 1, or the one of the reflectance Ks, or 1.5. map_Kd is multiplied by Kd where that
-/// is not black. d, Tr and map_d are the opacity, except of dielectrics. map_bump and bump are heights, their
-/// -bm in scene units; norm is a normal map. -s is the repeat, -o the offset and -imfchan the channel; other
-/// options, Ka, map_Ks, map_Ns, disp and refl are ignored.
+/// illum 4, 6, 7 and 9 are a dielectric (Ni if it is at least 1, or 1.5; Tf, or 1), illum 3 and 5 with a Ks a
+/// conductor of that reflectance, and all else principled. Roughness is Pr, or that of the Phong exponent Ns
+/// with the same slope: alpha = sqrt(2 / (Ns + 2)) (Walter et al. 2007, eq. 20); Ns absent: 1. What is not
+/// metal has the index Ni if it is above 1, or the one of the reflectance Ks, or 1.5. map_Kd is multiplied by
+/// Kd where that is not black. d (or 1 - Tr) times map_d is the opacity, except of dielectrics. map_bump and
+/// bump are heights, their -bm in scene units; norm is a normal map. -s is the repeat, -o the offset and
+/// -imfchan the channel; other options, Ka, map_Ks, map_Ns, disp and refl are ignored.
 ///
 /// Adds to `warnings`, one line each as mtl_warning: numbers out of range, which are taken as the nearest in
-/// it (an Ni below 1: as none), images without a file, and -clamp on.
+/// it (an Ni below 1: as none), d -halo and colours as spectral or xyz, which are left out, images without a
+/// file, and -clamp on.
 ///
 /// Throws Error(bad_input), one line: a file that cannot be read; `FILE: line N: ...` for what should be
 /// numbers and is not; `FILE: material 'M': ...` for an image that is not there or not readable.

@@ -34,6 +34,25 @@ const NumberRule* find_rule(std::string_view keyword) {
   return found == rules.end() ? nullptr : &found->second;
 }
 
+/// The word that makes the statement one of a form that is not supported; empty if none does.
+std::string_view unsupported_form(std::string_view keyword, std::string_view rest) {
+  const std::string_view word = take_word(rest);
+  const NumberRule* rule = find_rule(keyword);
+  const bool is_color = rule != nullptr && rule->count == 3;
+  const bool unsupported = is_color ? word == "spectral" || word == "xyz" : keyword == "d" && word == "-halo";
+  return unsupported ? word : std::string_view();
+}
+
+/// What follows the keyword; of a colour with green and blue, which equal red where they are left out.
+std::string with_all_channels(std::string_view keyword, std::string_view rest) {
+  const NumberRule* rule = find_rule(keyword);
+  std::string_view numbers = without_comment(rest);
+  const std::string_view red = take_word(numbers);
+  if (rule == nullptr || rule->count != 3 || red.empty() || !trimmed(numbers).empty())
+    return std::string(rest);
+  return fmt::format(" {0} {0} {0}", red);
+}
+
 /// Of the first number out of range; empty if there is none.
 std::string problem_of(const std::string& path, int line_number, std::string_view keyword,
                        std::string_view numbers) {
@@ -106,17 +125,22 @@ MtlText read_mtl(const std::string& path) {
     const std::string_view line = take_line(text);
     std::string_view rest = line;
     const std::string_view keyword = take_word(rest);
-    if (names_image(keyword)) {
-      mtl.text.append(keyword).append(with_all_numbers(rest)) += '\n';
-    } else {
-      mtl.text.append(line) += '\n';
+    if (const std::string_view form = unsupported_form(keyword, rest); !form.empty()) {
+      if (!mtl.materials.empty()) {
+        mtl.warnings.push_back(mtl_warning(
+            path, line_number, name, fmt::format("{}: '{}' is not supported; left out", keyword, form)));
+      }
+      continue;
     }
+    const std::string values =
+        names_image(keyword) ? with_all_numbers(rest) : with_all_channels(keyword, rest);
+    mtl.text.append(keyword).append(values) += '\n';
     if (keyword == "newmtl") {
       name = trimmed(rest);
       mtl.materials[name];
       continue;
     }
-    const std::string problem = problem_of(path, line_number, keyword, rest);
+    const std::string problem = problem_of(path, line_number, keyword, values);
     if (keyword.empty() || mtl.materials.empty()) continue;  // what stands before any material is of none
     mtl.materials[name].emplace(keyword, line_number);
     if (!problem.empty()) mtl.warnings.push_back(mtl_warning(path, line_number, name, problem));

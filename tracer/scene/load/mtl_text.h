@@ -13,9 +13,9 @@ using MtlStatements = std::map<std::string, int, std::less<>>;
 
 /// A Wavefront material file as tinyobjloader can read it, and what that would not tell.
 struct MtlText {
-  std::string text;  ///< with three numbers behind each -o, -s and -t, which may have fewer
+  std::string text;  ///< with three numbers behind each colour, -o, -s and -t, which may have fewer
   std::map<std::string, MtlStatements> materials;
-  std::vector<std::string> warnings;  ///< as mtl_warning: numbers out of range, and what they are taken as
+  std::vector<std::string> warnings;  ///< as mtl_warning: what is left out or taken as something else
 };
 
 /// Throws Error(bad_input) for a file that cannot be read, and `FILE: line N: ...` for what should be numbers

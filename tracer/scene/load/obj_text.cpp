@@ -62,7 +62,7 @@ class BlockReader {
     } else if (keyword == "vn") {
       text.normals.push_back(read_coordinates<V3f>(keyword, values));
     } else if (keyword == "vt") {
-      text.uvs.push_back(read_coordinates<V2f>(keyword, values));
+      text.uvs.push_back(read_coordinates<V2f>(keyword, values, /*least=*/1));
     } else if (keyword == "f") {
       read_face(values);
     } else if (keyword == "usemtl") {
@@ -73,11 +73,13 @@ class BlockReader {
     }
   }
 
+  /// Those behind the `least` first may be left out and are 0.
   template <class Vec>
-  Vec read_coordinates(std::string_view keyword, std::string_view line) {
+  Vec read_coordinates(std::string_view keyword, std::string_view line, unsigned least = Vec::dimensions()) {
     Vec v(0.0f);
     for (unsigned i = 0; i < Vec::dimensions(); ++i) {
       const std::string_view word = take_word(line);
+      if (word.empty() && i >= least) break;
       const std::optional<float> number = parse_float(word);
       if (number) {
         v[static_cast<int>(i)] = *number;
