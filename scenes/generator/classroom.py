@@ -77,7 +77,7 @@ def write_scene(path):
         thing("front wall", "rectangle", "plaster", (0, 1.5, -4.2), [4, 1, 1.5], [90, 0, 0]),
         thing("back wall", "rectangle", "plaster", (0, 1.5, 4.2), [4, 1, 1.5], [-90, 0, 0]),
         thing("right wall", "rectangle", "plaster", (4, 1.5, 0), [1.5, 1, 4.2], [0, 0, 90]),
-        thing("window side", "window side", "plaster", (-4, 0, 0)),
+        thing("window side", "window side", "bare plaster", (-4, 0, 0)),
         thing("blackboard", "cube", "board", (0.2, 1.65, -4.18), [1.7, 0.6, 0.02]),
         thing("board frame", "cube", "oak", (0.2, 1.02, -4.15), [1.75, 0.03, 0.05]),
         thing("map", "rectangle", "map", (-2.6, 1.75, -4.19), [0.6, 1, 0.45], [90, 0, 0]),
@@ -125,6 +125,7 @@ def write_scene(path):
             "lemon": {"type": "diffuse", "reflectance": [0.78, 0.58, 0.06]},
             "clay": {"type": "diffuse", "reflectance": [0.48, 0.19, 0.09]},
             "leaf": {"type": "diffuse", "reflectance": [0.10, 0.26, 0.07]},
+            "bare plaster": {"type": "diffuse", "reflectance": [0.535677, 0.521942, 0.453266]},
         },
         "meshes": {
             "rectangle": {"shape": "rectangle"}, "cube": {"shape": "cube"}, "ball": {"shape": "sphere", "segments": 32},

@@ -272,6 +272,11 @@ TEST(Load, NamesMaterialsThatAShapeCannotHave) {
             "scene.json: /objects/0/material: the mesh has no uvs for bump and normal maps");
   EXPECT_EQ(loaded("'obj': 'bare.obj'", "'opacity': {'image': 'relief.exr'}"),
             "scene.json: /objects/0/material: the mesh has no uvs for an opacity image");
+  EXPECT_EQ(load_error(R"({'camera': {'look_at': {'eye': [0,0,4], 'target': [0,0,0]}},
+              'materials': {'m': {'type': 'mix', 'materials': ['a', 'b']}, 'b': {'type': 'diffuse', 'reflectance': 1},
+                            'a': {'type': 'diffuse', 'reflectance': {'image': 'relief.exr'}}},
+              'meshes': {'bare': {'obj': 'bare.obj'}}, 'objects': [{'mesh': 'bare', 'material': 'm'}]})"),
+            "scene.json: /objects/0/material: the mesh has no uvs for images");
   EXPECT_EQ(
       loaded("'shape': 'cube'", "'opacity': 0.5", ", 'interior': 'fog'"),
       "scene.json: /objects/0/interior: a material with an opacity bounds no medium: it would leak through "

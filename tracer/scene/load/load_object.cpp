@@ -66,11 +66,13 @@ void check_material_fits(const JsonValue& json, const Object& object, const Scen
   // What an MTL file says of a mesh without uvs is ignored, as other renderers do.
   if (!is_procedural && !(mesh && mesh->uvs.empty() && json.has("material"))) return;
   if (mesh && material.opacity_mask) json.at("material").fail("the mesh has no uvs for an opacity image");
-  if (material_needs(scene.materials, material).relief) {
+  const MaterialNeeds needs = material_needs(scene.materials, material);
+  if (needs.relief) {
     json.at("material")
         .fail(is_procedural ? "a procedural surface has no uvs for bump and normal maps"
                             : "the mesh has no uvs for bump and normal maps");
   }
+  if (mesh && needs.textures) json.at("material").fail("the mesh has no uvs for images");
 }
 
 bool turns(const TransformCurve& transform) {
