@@ -175,6 +175,28 @@ TEST(ExactSphere, LooksLikeAFineMesh) {
                           0.01, 2e-3);
 }
 
+TEST(ExactSphere, TurnsWhileItEmits) {
+  write_file("uv.ppm",
+             "P3 4 2 255 255 0 0 0 255 0 0 0 255 255 255 0 0 255 255 255 0 255 90 90 90 255 255 255\n");
+  const auto seen = [](const std::string& transform) {
+    Scene scene = load_text(
+        R"({'film': {'width': 16, 'height': 16, 'filter': {'type': 'box', 'radius_px': 0}},
+      'camera': {'fov_y_deg': 20, 'look_at': {'eye': [1,2,8], 'target': [0,0,0]}},
+      'materials': {'m': {'type': 'diffuse', 'reflectance': {'image': 'uv.ppm', 'space': 'linear'}}},
+      'meshes': {'ball': {'shape': 'exact_sphere'}}, 'objects': [{'mesh': 'ball', 'material': 'm', 'emission': 1,
+        'transform': )" +
+        transform + "}]}");
+    return render_frame(scene, 5, options(1, {Aov::albedo, Aov::motion})).value();
+  };
+  const Frame turning =
+      seen("{'keys': [{'frame': 1, 'rotate_deg': [0,0,0]}, {'frame': 9, 'rotate_deg': [0,80,0]}]}");
+  const Frame still = seen("{'rotate_deg': [0,40,0]}");
+  for (std::size_t i = 0; i < still.image(Aov::albedo).data().size(); ++i)
+    ASSERT_NEAR(turning.image(Aov::albedo).data()[i], still.image(Aov::albedo).data()[i], 1e-3f);
+  EXPECT_LT(turning.image(Aov::motion).at(8, 8, 0), -0.5f) << "10 degrees to the right a frame";
+  EXPECT_EQ(still.image(Aov::motion).at(8, 8, 0), 0.0f);
+}
+
 TEST(ExactSphere, CarriesTexturesAsTheMeshDoes) {
   const auto seen = [](const std::string& mesh) {
     const std::string image = write_file("uv.ppm",

@@ -82,8 +82,8 @@ bool turns(const TransformCurve& transform) {
   });
 }
 
-/// Throws for combinations that are not supported. Removes the rotation of emissive spheres that turn: motion
-/// blur is linear between transforms and would shrink them.
+/// Throws for combinations that are not supported. Removes the rotation of emissive spheres that turn in a
+/// scene with motion blur, which is linear between transforms and would shrink them.
 void check_fits(const JsonValue& json, Object& object, const SceneDescription& scene) {
   const Material& material = scene.materials[object.material];
   if (material.is_interface && object.emissive)
@@ -94,7 +94,7 @@ void check_fits(const JsonValue& json, Object& object, const SceneDescription& s
     json.at("emission").fail("only triangles and exact spheres can emit");
   if (!scales_alike(object.transform))
     json.at("transform").fail("an exact sphere that emits must be scaled alike in x, y and z");
-  if (!turns(object.transform)) return;
+  if (!scene.camera.shutter.blurs() || !turns(object.transform)) return;
   std::vector<TransformCurve::Key> keys = object.transform.keys();
   for (TransformCurve::Key& key : keys) std::fill_n(key.value.begin() + 3, 3, 0.0);
   object.transform = TransformCurve(std::move(keys), object.transform.interpolation());
