@@ -83,6 +83,31 @@ TEST(Procedurals, ACalmOceanIsAFlatPlane) {
   EXPECT_GT(water, 700);
 }
 
+TEST(Procedurals, FlatOnesCarryImagesAsTheRectangleDoes) {
+  write_file("uv.ppm",
+             "P3 4 2 255 255 0 0 0 255 0 0 0 255 255 255 0 0 255 255 255 0 255 90 90 90 255 255 255\n");
+  const auto seen = [](const std::string& mesh) {
+    Scene scene = load_text(
+        R"({'film': {'width': 16, 'height': 16, 'filter': {'type': 'box', 'radius_px': 0}},
+      'camera': {'fov_y_deg': 20, 'look_at': {'eye': [0,5,1], 'target': [0,0,0]}},
+      'materials': {'m': {'type': 'diffuse', 'reflectance': {'image': 'uv.ppm', 'space': 'linear'}}},
+      'meshes': {'flat': {)" +
+        mesh + "}}, 'objects': [{'mesh': 'flat', 'material': 'm'}]}");
+    return render_frame(scene, 1, options(1, {Aov::albedo})).value();
+  };
+  const Frame rectangle = seen("'shape': 'rectangle'");
+  for (const char* mesh : {"'procedural': 'terrain', 'size': 2, 'height': 1e-4, 'resolution': 64",
+                           "'procedural': 'ocean', 'size': 2, 'wavelength': 1, 'wave_height': 0"}) {
+    const Frame procedural = seen(mesh);
+    int different = 0;
+    for (std::size_t i = 0; i < rectangle.image(Aov::albedo).data().size(); ++i) {
+      different +=
+          std::abs(procedural.image(Aov::albedo).data()[i] - rectangle.image(Aov::albedo).data()[i]) > 0.03f;
+    }
+    EXPECT_LT(different, 20) << "of 768 values of " << mesh;
+  }
+}
+
 std::string blobs(const std::string& transform, const std::string& look_at, const std::string& lamp) {
   return R"({'film': {'width': 32, 'height': 32, 'filter': {'type': 'box', 'radius_px': 0}}, 'integrator': {'max_depth': 1},
     'camera': {'fov_y_deg': 35, 'look_at': {)" +

@@ -224,8 +224,8 @@ ProceduralPoint Ocean::point(const V3f& p, float footprint) const {
     }
     seen = water_at(kept, x, z);
   }
-  return {V3f(p.x, water.height * size, p.z), V3f(-seen.slope_x, 1.0f, -seen.slope_z).normalized(), V2f(x, z),
-          8.0f * height_tolerance(pyramid_.all().high) * size, variance};
+  return {V3f(p.x, water.height * size, p.z), V3f(-seen.slope_x, 1.0f, -seen.slope_z).normalized(),
+          V2f(x, 1.0f - z), 8.0f * height_tolerance(pyramid_.all().high) * size, variance};
 }
 
 }  // namespace becalm::tracer

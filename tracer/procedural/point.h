@@ -8,7 +8,7 @@ namespace becalm::tracer {
 struct ProceduralPoint {
   V3f position;  ///< on the surface
   V3f normal;    ///< outward (up), of length 1; of the surface as averaged over the footprint
-  V2f uv;
+  V2f uv;        ///< of terrain and ocean as the rectangle's: v grows towards -z
   /// A ray that starts this far from `position` along the unaveraged normal, or further, does not meet the
   /// surface again at once.
   float error;

@@ -206,8 +206,8 @@ ProceduralPoint Terrain::point(const V3f& p, float footprint) const {
   const float sx = scale_ * slope.slope_x, sz = scale_ * slope.slope_z;
   const float own = slope.slope_x * slope.slope_x + slope.slope_z * slope.slope_z;
   const float variance = scale_ * scale_ * std::max(slope.squared_slope - own, 0.0f);
-  return {V3f(p.x, height * size, p.z), V3f(-sx, 1.0f, -sz).normalized(), V2f(x, z), 8.0f * tolerance_ * size,
-          variance};
+  return {V3f(p.x, height * size, p.z), V3f(-sx, 1.0f, -sz).normalized(), V2f(x, 1.0f - z),
+          8.0f * tolerance_ * size, variance};
 }
 
 std::size_t Terrain::bytes() const {
