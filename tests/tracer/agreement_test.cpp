@@ -96,17 +96,15 @@ TEST(Agreement, EnvironmentWithAreaLights) {
 }
 
 /// Means over a lone two-sided lamp of emission 1 that fills the image, with each way to find direct light.
-std::vector<double> lone_lamp(const std::string& shape, double distance) {
-  const double x = 0.8 * distance, y = 0.27 * distance, z = 0.53 * distance;
+std::vector<double> lone_lamp(const std::string& mesh, const std::string& transform, const V3d& center) {
   std::vector<double> means;
   for (const char* direct : {"light", "material", "mis', 'heuristic': 'balance", "mis"}) {
     Scene scene = load_text(fmt::format(
         R"({{'film': {{'width': 8, 'height': 8}}, 'integrator': {{'max_depth': 1, 'direct': '{}'}},
         'camera': {{'fov_y_deg': 2, 'look_at': {{'eye': [{},{},{}], 'target': [{},{},{}]}}}},
         'materials': {{'white': {{'type': 'diffuse', 'reflectance': 0.8}}}}, 'meshes': {{'lamp': {}}},
-        'objects': [{{'mesh': 'lamp', 'material': 'white', 'emission': 1, 'two_sided': true,
-          'transform': {{'scale': 0.3, 'rotate_deg': [37,21,64], 'translate': [{},{},{}]}}}}]}})",
-        direct, x, y, z + 3, x, y, z, shape, x, y, z));
+        'objects': [{{'mesh': 'lamp', 'material': 'white', 'emission': 1, 'two_sided': true, 'transform': {}}}]}})",
+        direct, center.x, center.y, center.z + 3, center.x, center.y, center.z, mesh, transform));
     means.push_back(mean_radiance(render_frame(scene, 1, options(16, {Aov::variance})).value()).value);
   }
   return means;
@@ -114,14 +112,24 @@ std::vector<double> lone_lamp(const std::string& shape, double distance) {
 
 TEST(Agreement, FlatLampsDoNotLightThemselvesFarFromTheOrigin) {
   write_file("triangle.obj", "v -2 -1 1\nv 2 -1 0\nv 0 2 -0.5\nf 1 2 3\n");
-  for (const char* shape :
+  for (const char* mesh :
        {"{'shape': 'rectangle'}", "{'obj': 'triangle.obj'}", "{'shape': 'disc'}", "{'shape': 'cube'}"}) {
     for (const double distance : {0.0, 10.0, 100.0, 1000.0}) {
-      for (const double mean : lone_lamp(shape, distance)) {
-        EXPECT_NEAR(mean, 1.0, 1e-6) << shape << " at " << distance;
-      }
+      const V3d center = V3d(0.8, 0.27, 0.53) * distance;
+      const std::string transform =
+          fmt::format("{{'scale': 0.3, 'rotate_deg': [37,21,64], 'translate': [{},{},{}]}}", center.x,
+                      center.y, center.z);
+      for (const double mean : lone_lamp(mesh, transform, center))
+        EXPECT_NEAR(mean, 1.0, 1e-6) << mesh << " at " << distance;
     }
   }
+}
+
+TEST(Agreement, FlatLampsDoNotLightThemselvesWhereTheirMeshIsFarFromItsOrigin) {
+  write_file("far.obj",
+             "v 799.7 269.8 530.1\nv 800.3 269.9 530\nv 800.2 270.3 529.8\nv 799.6 270.2 529.9\nf 1 2 3 4\n");
+  for (const double mean : lone_lamp("{'obj': 'far.obj'}", "{'translate': [-800,-270,-530]}", V3d(0.0)))
+    EXPECT_NEAR(mean, 1.0, 1e-6);
 }
 
 }  // namespace

@@ -25,6 +25,7 @@ struct EmissiveTriangle {
   bool two_sided = false;
   std::uint16_t group = 0;
   MotionKeys motion = {};  ///< among LightList::triangle_keys
+  float extent = 0.0f;     ///< what positions on it are rounded relative to, if more than its coordinates
 };
 
 /// A place of a moving triangle: its corners.
@@ -55,9 +56,10 @@ struct AreaLight {
   V3f radiance;
   bool two_sided;
   std::uint16_t group;
-  float extent;  ///< largest coordinate
+  float extent;  ///< what positions on it are rounded relative to: at least its largest coordinate
 
-  AreaLight(const AreaShape& shape, const V3f& emitted, bool both_sides, std::uint16_t light_group)
+  AreaLight(const AreaShape& shape, const V3f& emitted, bool both_sides, std::uint16_t light_group,
+            float least_extent = 0.0f)
       : p0(shape.p0),
         edge1(shape.edge1),
         edge2(shape.edge2),
@@ -69,9 +71,9 @@ struct AreaLight {
         radiance(emitted),
         two_sided(both_sides),
         group(light_group),
-        extent(
-            std::max({largest_coordinate(p0), largest_coordinate(p0 + edge1), largest_coordinate(p0 + edge2),
-                      quad ? largest_coordinate(p0 + edge1 + edge2) : 0.0f})) {
+        extent(std::max({least_extent, largest_coordinate(p0), largest_coordinate(p0 + edge1),
+                         largest_coordinate(p0 + edge2),
+                         quad ? largest_coordinate(p0 + edge1 + edge2) : 0.0f})) {
     const V3d e1(edge1), e2(edge2);
     const V3d cross = e1.cross(e2);
     const double length = cross.length();
@@ -86,7 +88,7 @@ struct AreaLight {
 
   explicit AreaLight(const EmissiveTriangle& triangle)
       : AreaLight({triangle.p0, triangle.p1 - triangle.p0, triangle.p2 - triangle.p0}, triangle.radiance,
-                  triangle.two_sided, triangle.group) {}
+                  triangle.two_sided, triangle.group, triangle.extent) {}
 
   /// Radiant intensity along the normal, mean of the channels.
   double radiant_intensity() const { return area * channel_mean(radiance); }

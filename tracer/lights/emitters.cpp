@@ -76,7 +76,7 @@ Emitters::Emitters(LightList& list)
     const EmissiveTriangle& t = list.triangles[shape.triangle];
     area_of_triangle_.insert(area_of_triangle_.end(), shape.rectangle ? 2 : 1,
                              static_cast<std::uint32_t>(areas_.size()));
-    areas_.emplace_back(shape.shape({t.p0, t.p1, t.p2}), t.radiance, t.two_sided, t.group);
+    areas_.emplace_back(shape.shape({t.p0, t.p1, t.p2}), t.radiance, t.two_sided, t.group, t.extent);
     if (moving) area_motion_.push_back(t.motion);
   }
   if (moving) area_corners_ = std::move(shapes);
@@ -125,7 +125,7 @@ AreaLight Emitters::area_at(std::size_t number, float time) const {
                             return {interpolate_linear(a[0], b[0], t), interpolate_linear(a[1], b[1], t),
                                     interpolate_linear(a[2], b[2], t)};
                           });
-  return {area_corners_[number].shape(corners), light.radiance, light.two_sided, light.group};
+  return {area_corners_[number].shape(corners), light.radiance, light.two_sided, light.group, light.extent};
 }
 
 EmissiveSphere Emitters::sphere_at(const EmissiveSphere& sphere, float time) const {

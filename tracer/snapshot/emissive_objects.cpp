@@ -18,11 +18,20 @@ TriangleKey triangle_at(const ObjectState& object, const std::array<std::uint32_
   return key;
 }
 
+/// What positions on the triangle are rounded relative to, in object and in world space.
+float extent_of(const ObjectState& object, const std::array<std::uint32_t, 3>& corners) {
+  float largest = 0.0f;
+  for (const std::uint32_t corner : corners)
+    largest = std::max(largest, largest_coordinate(object.mesh->positions[corner]));
+  return largest * object.scale + object.translation;
+}
+
 void add_triangles(const ObjectState& object, LightList& lights) {
   for (const auto& corners : object.mesh->triangles) {
     const TriangleKey p = triangle_at(object, corners, object.place.to_world);
     lights.triangles.push_back({p[0], p[1], p[2], object.emission, object.two_sided, object.light_group,
-                                motion_keys(object, lights.triangle_keys.size())});
+                                motion_keys(object, lights.triangle_keys.size()),
+                                extent_of(object, corners)});
     if (!object.blurred()) continue;
     for (const M44f& to_world : object.blur.steps())
       lights.triangle_keys.push_back(triangle_at(object, corners, to_world));
