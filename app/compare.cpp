@@ -1,7 +1,6 @@
 // becalm compare: the figures of a sequence against a reference, and a failure where they pass a limit.
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -174,6 +173,7 @@ CompareJob::CompareJob(const CompareCommand& command)
   frames_ = !command.frames.empty()       ? io::parse_frame_range(command.frames)
             : reference.has_frame_field() ? reference.frames_on_disk()
                                           : std::vector<int>{io::number_in_name(command.reference)};
+  if (command.frames.empty() && reference.has_frame_field()) reference.refuse_wider_numbers();
   if (frames_.empty()) {
     throw Error(ExitStatus::bad_input, fmt::format("{}: no frame of this sequence is on disk{}",
                                                    command.reference, reference.hint_where_missing()));

@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <optional>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include "app/console.h"
 #include "app/eye_names.h"
@@ -15,6 +17,29 @@
 #include "frame/io/printable.h"
 
 namespace becalm::app {
+namespace {
+
+std::optional<Eye> eye_of(std::string_view view) {
+  for (const Eye eye : {Eye::left, Eye::right}) {
+    if (is_eye(view, eye)) return eye;
+  }
+  return std::nullopt;
+}
+
+/// The view of that name or of the same eye; the first if the name, or that of the only view, is of no eye.
+std::vector<io::LoadedView*>::iterator find_like(std::vector<io::LoadedView*>& views,
+                                                 const std::string& name) {
+  const auto same = std::ranges::find(views, name, &io::LoadedView::view);
+  if (same != views.end()) return same;
+  const std::optional<Eye> eye = eye_of(name);
+  if (!eye) return views.begin();
+  const auto of_eye =
+      std::ranges::find_if(views, [&](const io::LoadedView* view) { return eye_of(view->view) == eye; });
+  const bool is_of_no_eye = views.size() == 1 && !eye_of(views.front()->view);
+  return is_of_no_eye ? views.begin() : of_eye;
+}
+
+}  // namespace
 
 ComparedSequence::ComparedSequence(const std::string& pattern, io::LayerOptions layers, std::string view)
     : pattern_(pattern), layers_(std::move(layers)), view_(std::move(view)) {}
@@ -42,18 +67,18 @@ PlacedBeauty ComparedSequence::read_view(int frame, const std::string& of_refere
   names.reserve(views.size());
   for (const io::LoadedView* view : views) names.push_back(io::printable(view->view));
 
-  const std::string& wanted = view_.empty() ? of_reference : view_;
-  auto found = wanted.empty() ? views.begin() : std::ranges::find(views, wanted, &io::LoadedView::view);
-  if (found == views.end() && view_.empty() && views.size() == 1 && !are_eyes(file.view, of_reference))
-    found = views.begin();
+  const auto found =
+      view_.empty() ? find_like(views, of_reference) : std::ranges::find(views, view_, &io::LoadedView::view);
   if (found == views.end()) {
-    throw Error(ExitStatus::bad_input, fmt::format("{}: no view '{}'{}; expected {}", path, wanted,
-                                                   view_.empty() ? ", which the reference is of" : "",
-                                                   views.size() == 1 && names.front().empty()
-                                                       ? "a file of views"
-                                                       : fmt::format("{}", fmt::join(names, " or "))));
+    throw Error(ExitStatus::bad_input,
+                fmt::format("{}: no view '{}'{}; expected {}", path, view_.empty() ? of_reference : view_,
+                            view_.empty() ? ", which the reference is of" : "",
+                            views.size() == 1 && names.front().empty()
+                                ? "a file of views"
+                                : fmt::format("{}", fmt::join(names, " or "))));
   }
-  if (wanted.empty() && views.size() > 1 && !std::exchange(told_views_, true)) {
+  const bool is_told = !view_.empty() || eye_of(of_reference) || (*found)->view == of_reference;
+  if (!is_told && views.size() > 1 && !std::exchange(told_views_, true)) {
     warn(fmt::format("{}: measured is the view {} of {}; --view names another", path, names.front(),
                      fmt::join(names, ", ")));
   }

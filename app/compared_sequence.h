@@ -31,8 +31,8 @@ class ComparedSequence {
   void choose_layer(const std::vector<int>& frames);
   /// The view asked for, or the file's first one. Throws Error(bad_input) if there is no such view.
   PlacedBeauty read(int frame);
-  /// The view asked for, or that of the reference; throws too if it is of another size or place, or if the
-  /// file has another eye alone.
+  /// The view asked for, or that of the reference's name or eye, or the first if the reference is of no eye.
+  /// Throws Error(bad_input) if there is no such view, or if it is of another size or place.
   Image read_like(int frame, const PlacedBeauty& reference);
 
  private:

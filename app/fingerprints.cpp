@@ -15,8 +15,9 @@ namespace {
 
 constexpr const char* kInputs = "becalm:inputs";
 
-/// `beauty=R,G,B,A albedo=albedo.R,...`; of a file with parts that have names, `albedo=PART/R,...`.
-std::string text_of(const io::ExrView& view, AovSet used) {
+}  // namespace
+
+std::string layers_text(const io::ExrView& view, AovSet used) {
   std::string text;
   for (const AovInfo& entry : kAovTable) {
     if (!contains(used, entry.aov)) continue;
@@ -27,8 +28,6 @@ std::string text_of(const io::ExrView& view, AovSet used) {
   }
   return text;
 }
-
-}  // namespace
 
 void Fingerprints::take(int frame) {
   taken(frame);
@@ -89,7 +88,7 @@ const Fingerprints::Taken& Fingerprints::taken(int frame) {
   Taken taken;
   taken.settings = io::read_attribute(path, "becalm:settings");
   for (const io::ExrView& view : io::read_exr_header(path, layers_, io::CheckChunks::no)) {
-    const std::string layers = text_of(view, layout_of(view, filter_).aovs);
+    const std::string layers = layers_text(view, layout_of(view, filter_).aovs);
     taken.layers += fmt::format("{}{}{}{}", taken.layers.empty() ? "" : " ", view.view,
                                 view.view.empty() ? "" : ": ", layers);
   }

@@ -15,6 +15,10 @@
 
 namespace becalm::app {
 
+/// Which channels of a view the filter takes as which AOVs, as `becalm:layers` records it:
+/// `beauty=R,G,B,A albedo=albedo.R,...`; of a file with parts that have names, `albedo=PART/R,...`.
+std::string layers_text(const io::ExrView& view, AovSet used);
+
 /// What outputs were made from, as they record it, so that --resume finds those whose inputs have changed
 /// since: of every frame, the size and the bytes of its file and the layers that were taken from it; the
 /// frame that the output shows; and the window that the filter saw. Bytes, not decoded channels: an output

@@ -327,6 +327,7 @@ Json to_json(const std::vector<Kind>& kinds) {
 void describe_sequence(const io::SequencePattern& pattern, io::LayerOptions layers,
                        const InfoCommand& command) {
   const std::vector<int> frames = pattern.frames_on_disk();
+  pattern.refuse_wider_numbers();
   if (frames.empty()) {
     throw Error(ExitStatus::bad_input, fmt::format("{}: no frame of this sequence is on disk{}",
                                                    pattern.text(), pattern.hint_where_missing()));

@@ -114,6 +114,9 @@ InputFrames::InputFrames(const std::vector<std::string>& patterns, Pair pair, co
                                                    pattern_.hint_where_missing()));
   }
   const bool all = asked.empty();
+  if (all) {
+    for (const io::SequencePattern* sequence : sequences()) sequence->refuse_wider_numbers();
+  }
   if (all) asked = missing == Missing::hold ? every_step(on_disk.any, pattern) : on_disk.any;
   // Frames that are left below make gaps, and no larger steps.
   assign_outputs(asked, on_disk.any, missing);

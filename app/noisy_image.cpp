@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "app/cancel.h"
+#include "app/fingerprints.h"
 #include "frame/error.h"
 #include "frame/io/exr.h"
 
@@ -30,6 +31,13 @@ std::optional<NoisyImage> beside(const io::ExrView& view) {
     title.resize(title.size() - view.view.size() - 1);
   if (!title.ends_with(denoised)) return std::nullopt;
   return NoisyImage{title.substr(0, title.size() - denoised.size()) + "Noisy Image", title};
+}
+
+/// Whether the file is an output of becalm, which has denoised its beauty: then that differs for this reason.
+bool is_denoised_by_becalm(const std::string& path, const io::ExrView& view) {
+  const std::string taken = io::read_attribute(path, "becalm:layers") + ' ';
+  return taken.find(layers_text(view, AovSet().set(static_cast<std::size_t>(Aov::beauty))) + ' ') !=
+         std::string::npos;
 }
 
 /// Whether both layers of a file are different pictures; nothing if they are black.
@@ -65,8 +73,9 @@ std::optional<NoisyImage> take_noisy_image(const std::vector<NumberedFile>& file
   for (const NumberedFile& file : std::span(files).first(std::min(files.size(), kMostFrames))) {
     stop_if_asked();
     try {
-      auto noisy = beside(io::read_exr_header(file.path, layers, io::CheckChunks::no).front());
-      if (!noisy) return std::nullopt;
+      const io::ExrView view = io::read_exr_header(file.path, layers, io::CheckChunks::no).front();
+      auto noisy = beside(view);
+      if (!noisy || is_denoised_by_becalm(file.path, view)) return std::nullopt;
       if (const std::optional<bool> is_other = differ(file.path, *noisy, layers)) {
         if (!*is_other) return std::nullopt;
         layers.layers[Aov::beauty] = noisy->layer;

@@ -20,7 +20,8 @@ struct NoisyImage {
 
 /// Makes the noisy image the beauty that `layers` names, if there is one beside the layer `Combined` that
 /// would be the beauty, and returns it. Nothing if both are equal, since Blender has not denoised then (up to
-/// 2.92 it wrote the layer for other denoisers, too), or if `layers` names the beauty. The first frame that
+/// 2.92 it wrote the layer for other denoisers, too), if becalm has denoised `Combined`, or if `layers` names
+/// the beauty. The first frame that
 /// is not black and can be read decides, so that all jobs of a shot choose alike.
 std::optional<NoisyImage> take_noisy_image(const std::vector<NumberedFile>& files, io::LayerOptions& layers);
 

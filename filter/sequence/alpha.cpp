@@ -114,14 +114,6 @@ std::vector<std::uint8_t> noisy_alpha(const Image& beauty) {
   return noisy;
 }
 
-bool has_transparent_pixels(const Image& beauty) {
-  return sum_of_rows<int>(beauty.height(), [&](int y) {
-           int of_row = 0;
-           for (int x = 0; x < beauty.width(); ++x) of_row += beauty.at(x, y, 3) == 0.0f ? 1 : 0;
-           return of_row > 0 ? 1 : 0;
-         }) > 0;
-}
-
 std::vector<std::uint8_t> empty_pixels(const Image& beauty, std::span<const std::uint8_t> noisy) {
   std::vector<std::uint8_t> black(beauty.pixel_count());
   std::vector<std::uint8_t> filled(beauty.pixel_count());  // though they may be transparent

@@ -12,15 +12,12 @@ namespace becalm::filter {
 /// samples. A pixel is rough if in each of the four directions through it alpha rises to both sides or falls
 /// to both sides. It is noisy if its alpha differs from a neighbour's and, of the 15x15 pixels around it, at
 /// least 6, and at least a twentieth of those that differ from a neighbour, are rough. Edges and gradients
-/// have fewer rough pixels; clean hair and foliage may have as many, so the filter denoises alpha only on
+/// have fewer rough pixels; clean hair and foliage may have as many, so the filter uses this test only on
 /// request. Steps of alpha up to 1/64 are ignored.
 std::vector<std::uint8_t> noisy_alpha(const Image& beauty);
 
-/// Whether alpha is 0 anywhere.
-bool has_transparent_pixels(const Image& beauty);
-
 /// 1 for each empty pixel of an RGBA image: colour and alpha are 0, so is the colour of every transparent
-/// pixel near it, and none near it is among the `noisy` ones of noisy_alpha: at few samples some pixels of a
+/// pixel near it, and none near it is among the `noisy` ones: at few samples some pixels of a
 /// blurred edge happen to get none of the object. If alpha is 0 everywhere, the image has no matte and no
 /// pixel is empty.
 std::vector<std::uint8_t> empty_pixels(const Image& beauty, std::span<const std::uint8_t> noisy);

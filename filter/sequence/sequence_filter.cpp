@@ -36,7 +36,7 @@ namespace becalm::filter {
 namespace {
 
 /// 1 for each pixel that is output unchanged: non-finite pixels, and empty ones, into which smoothing would
-/// spread light without alpha. `noisy`: pixels of noisy alpha.
+/// spread light without alpha. `noisy`: pixels whose alpha is denoised.
 std::vector<std::uint8_t> unfiltered_pixels(const NewFrame& frame, std::span<const std::uint8_t> noisy) {
   std::vector<std::uint8_t> pixels = empty_pixels(frame.frame.image(Aov::beauty), noisy);
   std::ranges::transform(pixels, frame.finite, pixels.begin(), [](std::uint8_t empty, std::uint8_t finite) {
@@ -55,11 +55,11 @@ Frame output_frame(const NewFrame& frame, const FilterTask& task, MergedFrame ma
   const std::span<const float> beauty = noisy.data();
   const std::span<float> color = made.merged.color.data();
   const std::span<float> variance = result.add(Aov::variance).data();
-  const std::vector<std::uint8_t> nowhere(noisy.pixel_count());
-  const std::vector<std::uint8_t> edges =
-      task.denoises_alpha || has_transparent_pixels(noisy) ? noisy_alpha(noisy) : nowhere;
-  const std::vector<std::uint8_t> as_they_came = unfiltered_pixels(frame, edges);
-  pass_on_alpha(noisy, task.denoises_alpha ? edges : nowhere, made.merged.color);
+  // Of clean hair, which may look noisy, no gap is given light without alpha.
+  const std::vector<std::uint8_t> noisy_edges =
+      task.denoises_alpha ? noisy_alpha(noisy) : std::vector<std::uint8_t>(noisy.pixel_count());
+  const std::vector<std::uint8_t> as_they_came = unfiltered_pixels(frame, noisy_edges);
+  pass_on_alpha(noisy, noisy_edges, made.merged.color);
   std::span<float> count;
   if (contains(diagnostics, Aov::sample_count)) count = result.add(Aov::sample_count).data();
   const auto width = static_cast<std::size_t>(noisy.width());

@@ -285,7 +285,6 @@ std::vector<int> SequencePattern::frames_on_disk() const {
   std::vector<int> frames;
   if (!has_frame_field()) return frames;
   std::string other_padding;  // of a lone field
-  std::string wider;
   for (std::string_view number : numbers_on_disk(prefix_, suffix_, Unlistable::error)) {
     const std::string_view whole = number;
     const std::optional<int> frame = take_int(number);
@@ -294,8 +293,6 @@ std::vector<int> SequencePattern::frames_on_disk() const {
       frames.push_back(*frame);
     else if (frame && padding_is_found_)
       other_padding = whole;
-    else if (frame && whole.size() > number_text(*frame).size())
-      wider = whole;
   }
   if (!other_padding.empty() && !frames.empty()) {
     throw Error(ExitStatus::bad_input,
@@ -303,17 +300,28 @@ std::vector<int> SequencePattern::frames_on_disk() const {
                             "meant",
                             text_, path(frames.front()), prefix_, other_padding, suffix_));
   }
-  // Of 0999 and 1000, both padded alike, `%d` and `###` would take one.
-  const auto is_as_wide = [&](int frame) { return number_text(frame).size() >= wider.size(); };
-  if (!wider.empty() && !frames.empty() && std::ranges::all_of(frames, is_as_wide)) {
-    throw Error(
-        ExitStatus::bad_input,
-        fmt::format("{}: {}{}{} would be left out, since its number is padded wider; write {} to take "
-                    "both, or move it",
-                    text_, prefix_, wider, suffix_, std::string(wider.size(), '#')));
-  }
   std::sort(frames.begin(), frames.end());
   return frames;
+}
+
+void SequencePattern::refuse_wider_numbers() const {
+  if (!has_frame_field()) return;
+  std::string wider;
+  std::size_t narrowest = std::string::npos;  // of those that the pattern takes
+  for (const std::string& number : numbers_on_disk(prefix_, suffix_, Unlistable::error)) {
+    std::string_view rest = number;
+    const std::optional<int> frame = take_int(rest);
+    if (!frame) continue;
+    const std::size_t own = number_text(*frame).size();
+    if (number.size() > own) wider = number;
+    if (number.size() == own) narrowest = std::min(narrowest, own);
+  }
+  // Where those that it takes are narrower, wider ones are another sequence.
+  if (wider.empty() || narrowest == std::string::npos || narrowest < wider.size()) return;
+  throw Error(ExitStatus::bad_input,
+              fmt::format("{}: {}{}{} would be left out, since its number is padded wider; write {} to take "
+                          "both, or name the frames",
+                          text_, prefix_, wider, suffix_, std::string(wider.size(), '#')));
 }
 
 std::string SequencePattern::hint_where_missing() const {

@@ -61,6 +61,10 @@ class SequencePattern {
   /// the folder cannot be listed, and Error(bad_input) where a lone `#` finds numbers of two paddings: frames
   /// would be left out.
   std::vector<int> frames_on_disk() const;
+  /// Throws Error(bad_input) where numbers on disk are padded wider than the pattern's, and those that it
+  /// takes would be taken with them: of `0999` and `1000`, `%d` and `###` take one. For who takes all that is
+  /// there.
+  void refuse_wider_numbers() const;
   /// What to say behind "not found" where files exist whose numbers have another padding: `; shot.1.exr is
   /// there, and shot.#.exr finds it`, or `; shot.1.exr has another padding` where others have this one; or,
   /// without files, of a lone field: `; '@' stands for the frame number`. Else empty.

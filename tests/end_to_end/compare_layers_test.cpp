@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "frame/io/exr.h"
 #include "tests/end_to_end/harness.h"
 
 namespace becalm::test {
@@ -36,6 +37,22 @@ TEST_F(CompareLayers, WhatBlenderRenderedIsMeasuredNotWhatItDenoised) {
   EXPECT_EQ(compared("noisy.exr", "denoised.exr", {"--layers", "beauty=V.Combined"}).status, 0);
 }
 
+TEST_F(CompareLayers, WhatBecalmDenoisedIsMeasuredWhicheverLayerItTook) {
+  write_blender("in.0001.exr", 1.0f, 1.0f);  // as Blender 2.92 writes it for denoisers
+  becalm_done({"denoise", folder_ / "in.0001.exr", "-o", folder_ / "equal.exr"});
+  write_blender("in.0001.exr", 1.0f, 0.9f);
+  becalm_done(
+      {"denoise", folder_ / "in.0001.exr", "-o", folder_ / "told.exr", "--layers", "beauty=V.Combined"});
+  becalm_done({"denoise", folder_ / "in.0001.exr", "-o", folder_ / "noisy.exr"});
+  for (const auto& [name, layer] :
+       {std::pair{"equal.exr", "V.Combined"}, {"told.exr", "V.Combined"}, {"noisy.exr", "V.Noisy Image"}}) {
+    const io::LoadedFrame denoised = io::read_exr(folder_ / name, 1, {}, {.layers = {{Aov::beauty, layer}}});
+    io::write_exr(folder_ / "plain.exr", denoised.frame, {}, io::PixelType::float32);
+    const Outcome outcome = compared("plain.exr", name);
+    EXPECT_EQ(outcome.status, 0) << name << ": " << outcome.err;
+  }
+}
+
 TEST_F(CompareLayers, TheViewIsThatOfTheReference) {
   const Frame left = noise_frame(1);
   const Frame right = noise_frame(2);
@@ -52,6 +69,11 @@ TEST_F(CompareLayers, TheViewIsThatOfTheReference) {
   EXPECT_EQ(compared("both.exr", "turned.exr").status, 0);
   EXPECT_EQ(compared("turned.exr", "both.exr").status, 0);
   EXPECT_EQ(compared("right.exr", "main.exr").status, 0) << "the only view there is";
+  write("r.exr", {{"R", &right}});
+  EXPECT_EQ(compared("r.exr", "both.exr").status, 0) << "the same eye";
+  const Outcome first = compared("main.exr", "turned.exr");
+  EXPECT_EQ(first.status, 0) << "no eye, so the first view";
+  EXPECT_NE(first.err.find("measured is the view right of right, left"), std::string::npos) << first.err;
   expect_error(compared("right.exr", "left.exr"), kBadInput,
                {"left.exr: no view 'right', which the reference is of; expected left"});
   expect_error(compared("right.exr", "both.exr", {"--view", "left"}), kBadInput,

@@ -251,14 +251,18 @@ TEST_F(OnDisk, FramesPaddedWiderThanThePatternAreNotLeftOutSilently) {
   for (const char* name : {"shot.0998.exr", "shot.0999.exr", "shot.1000.exr", "shot.1001.exr"}) touch(name);
   for (const char* pattern : {"shot.%d.exr", "shot.$F.exr", "shot.###.exr"}) {
     const SequencePattern narrow(folder_.path(pattern));
-    const std::string error = error_of(ExitStatus::bad_input, [&] { narrow.frames_on_disk(); });
+    const std::string error = error_of(ExitStatus::bad_input, [&] { narrow.refuse_wider_numbers(); });
     EXPECT_NE(error.find("exr would be left out"), std::string::npos) << error;
     EXPECT_NE(error.find("write #### to take both"), std::string::npos) << error;
   }
-  EXPECT_EQ(SequencePattern(folder_.path("shot.####.exr")).frames_on_disk(), (Frames{998, 999, 1000, 1001}));
+  const SequencePattern wide(folder_.path("shot.####.exr"));
+  EXPECT_EQ(wide.frames_on_disk(), (Frames{998, 999, 1000, 1001}));
+  wide.refuse_wider_numbers();
   // Another sequence beside it, of the same numbers, is none of it.
   for (const char* name : {"shot.998.exr", "shot.999.exr"}) touch(name);
-  EXPECT_EQ(SequencePattern(folder_.path("shot.%d.exr")).frames_on_disk(), (Frames{998, 999, 1000, 1001}));
+  const SequencePattern unpadded(folder_.path("shot.%d.exr"));
+  EXPECT_EQ(unpadded.frames_on_disk(), (Frames{998, 999, 1000, 1001}));
+  unpadded.refuse_wider_numbers();
 }
 
 TEST_F(OnDisk, LoneHashOverUnpaddedFiles) {

@@ -97,7 +97,7 @@ TEST(Obj, VIs0IfLeftOut) {
   ASSERT_EQ(mesh.uvs.size(), 3u);
   EXPECT_EQ(mesh.uvs[mesh.triangles[0][0]], V2f(0.5f, 0.0f));
   EXPECT_EQ(mesh.uvs[mesh.triangles[0][1]], V2f(0.25f, 1.0f));
-  EXPECT_EQ(obj_error("vt\n"), "m.obj: line 1: 'vt' needs 2 finite numbers, found ''");
+  EXPECT_EQ(obj_error("vt\n"), "m.obj: line 1: 'vt' needs 1 to 2 finite numbers, found ''");
 }
 
 TEST(Obj, AcceptsLinesThatEndInACarriageReturn) {

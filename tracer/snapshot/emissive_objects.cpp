@@ -1,5 +1,8 @@
 #include "tracer/snapshot/emissive_objects.h"
 
+#include <algorithm>
+#include <utility>
+
 namespace becalm::tracer {
 
 namespace {
