@@ -84,9 +84,10 @@ class BlockReader {
       if (number) {
         v[static_cast<int>(i)] = *number;
       } else if (!block_.bad_coordinate) {
+        const std::string fewest =
+            word.empty() && least < Vec::dimensions() ? fmt::format("{} to ", least) : "";
         block_.bad_coordinate =
-            LineError{block_.lines, fmt::format("'{}' needs {}{} finite numbers, found '{}'", keyword,
-                                                least < Vec::dimensions() ? fmt::format("{} to ", least) : "",
+            LineError{block_.lines, fmt::format("'{}' needs {}{} finite numbers, found '{}'", keyword, fewest,
                                                 Vec::dimensions(), word)};
       }
     }
