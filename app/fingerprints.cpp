@@ -47,7 +47,7 @@ io::Attributes Fingerprints::of(int frame) {
   const Taken& own = taken(frame);
   io::Attributes attributes{
       {kInputs, fmt::format("{} {}", io::format_frame_range({frames.begin(), frames.end()}), hash.text())},
-      {"becalm:layers", own.layers}};
+      {kLayersAttribute, own.layers}};
   if (!own.settings.empty()) attributes.emplace_back("becalm:input_settings", own.settings);
   return attributes;
 }

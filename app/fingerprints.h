@@ -15,7 +15,10 @@
 
 namespace becalm::app {
 
-/// Which channels of a view the filter takes as which AOVs, as `becalm:layers` records it:
+/// The attribute of outputs that records which layers were denoised.
+inline constexpr const char* kLayersAttribute = "becalm:layers";
+
+/// Which channels of a view the filter takes as which AOVs, as that attribute has it:
 /// `beauty=R,G,B,A albedo=albedo.R,...`; of a file with parts that have names, `albedo=PART/R,...`.
 std::string layers_text(const io::ExrView& view, AovSet used);
 

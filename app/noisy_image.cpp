@@ -35,7 +35,7 @@ std::optional<NoisyImage> beside(const io::ExrView& view) {
 
 /// Whether the file is an output of becalm, which has denoised its beauty: then that differs for this reason.
 bool is_denoised_by_becalm(const std::string& path, const io::ExrView& view) {
-  const std::string taken = io::read_attribute(path, "becalm:layers") + ' ';
+  const std::string taken = io::read_attribute(path, kLayersAttribute) + ' ';
   return taken.find(layers_text(view, AovSet().set(static_cast<std::size_t>(Aov::beauty))) + ' ') !=
          std::string::npos;
 }

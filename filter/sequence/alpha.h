@@ -17,9 +17,9 @@ namespace becalm::filter {
 std::vector<std::uint8_t> noisy_alpha(const Image& beauty);
 
 /// 1 for each empty pixel of an RGBA image: colour and alpha are 0, so is the colour of every transparent
-/// pixel near it, and none near it is among the `noisy` ones: at few samples some pixels of a
-/// blurred edge happen to get none of the object. If alpha is 0 everywhere, the image has no matte and no
-/// pixel is empty.
+/// pixel near it, and none near it is among the `noisy` ones, whose alpha is denoised: at few samples some
+/// pixels of a blurred edge happen to get none of the object. If alpha is 0 everywhere, the image has no
+/// matte and no pixel is empty.
 std::vector<std::uint8_t> empty_pixels(const Image& beauty, std::span<const std::uint8_t> noisy);
 
 /// Copies the alpha of `beauty` to `denoised`, except where `noisy` is 1: there `denoised` keeps its own,

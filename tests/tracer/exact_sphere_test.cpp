@@ -176,8 +176,7 @@ TEST(ExactSphere, LooksLikeAFineMesh) {
 }
 
 TEST(ExactSphere, TurnsWhileItEmits) {
-  write_file("uv.ppm",
-             "P3 4 2 255 255 0 0 0 255 0 0 0 255 255 255 0 0 255 255 255 0 255 90 90 90 255 255 255\n");
+  write_uv_picture();
   const auto seen = [](const std::string& transform) {
     Scene scene = load_text(
         R"({'film': {'width': 16, 'height': 16, 'filter': {'type': 'box', 'radius_px': 0}},
@@ -199,9 +198,7 @@ TEST(ExactSphere, TurnsWhileItEmits) {
 
 TEST(ExactSphere, CarriesTexturesAsTheMeshDoes) {
   const auto seen = [](const std::string& mesh) {
-    const std::string image = write_file("uv.ppm",
-                                         "P3 4 2 255 255 0 0 0 255 0 0 0 255 255 255 0 "
-                                         "0 255 255 255 0 255 90 90 90 255 255 255\n");
+    write_uv_picture();
     Scene scene = load_text(
         R"({'film': {'width': 32, 'height': 32, 'filter': {'type': 'box', 'radius_px': 0}},
       'camera': {'fov_y_deg': 20, 'look_at': {'eye': [1,2,8], 'target': [0,0,0]}},

@@ -84,8 +84,7 @@ TEST(Procedurals, ACalmOceanIsAFlatPlane) {
 }
 
 TEST(Procedurals, FlatOnesCarryImagesAsTheRectangleDoes) {
-  write_file("uv.ppm",
-             "P3 4 2 255 255 0 0 0 255 0 0 0 255 255 255 0 0 255 255 255 0 255 90 90 90 255 255 255\n");
+  write_uv_picture();
   const auto seen = [](const std::string& mesh) {
     Scene scene = load_text(
         R"({'film': {'width': 16, 'height': 16, 'filter': {'type': 'box', 'radius_px': 0}},

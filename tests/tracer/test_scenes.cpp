@@ -35,6 +35,11 @@ std::string file_path(const std::string& name) {
   return folder() + name;
 }
 
+void write_uv_picture() {
+  write_file("uv.ppm",
+             "P3 4 2 255 255 0 0 0 255 0 0 0 255 255 255 0 0 255 255 255 0 255 90 90 90 255 255 255\n");
+}
+
 std::string write_file(const std::string& name, const std::string& text) {
   std::string path = file_path(name);
   std::ofstream(path, std::ios::binary) << text;

@@ -9,6 +9,8 @@ namespace becalm::tracer::test {
 
 /// A file of that name in a folder of the running test's own. Returns its path.
 std::string write_file(const std::string& name, const std::string& text);
+/// Writes `uv.ppm`, 4x2 pixels of different colours, none like its mirror image.
+void write_uv_picture();
 /// The path that write_file would give.
 std::string file_path(const std::string& name);
 
