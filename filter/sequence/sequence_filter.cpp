@@ -24,6 +24,7 @@
 #include "filter/sequence/alpha.h"
 #include "filter/sequence/cuts.h"
 #include "filter/sequence/packed_estimate.h"
+#include "filter/sequence/spilled_light.h"
 #include "filter/smooth/albedo_smoother.h"
 #include "filter/smooth/energy.h"
 #include "filter/smooth/frame_mixer.h"
@@ -35,14 +36,46 @@
 namespace becalm::filter {
 namespace {
 
-/// 1 for each pixel that is output unchanged: non-finite pixels, and empty ones, into which smoothing would
-/// spread light without alpha. `noisy`: pixels whose alpha is denoised.
-std::vector<std::uint8_t> unfiltered_pixels(const NewFrame& frame, std::span<const std::uint8_t> noisy) {
-  std::vector<std::uint8_t> pixels = empty_pixels(frame.frame.image(Aov::beauty), noisy);
-  std::ranges::transform(pixels, frame.finite, pixels.begin(), [](std::uint8_t empty, std::uint8_t finite) {
-    return static_cast<std::uint8_t>(empty | (finite ^ 1));
+/// What becomes of the alpha of a denoised image, and of the light that follows from it.
+struct Matte {
+  /// 1 for each pixel that is output unchanged: non-finite pixels, and empty ones, into which smoothing would
+  /// spread light without alpha.
+  std::vector<std::uint8_t> as_they_came;
+  /// Of the radiance of the denoised pixels, from spilled_light; empty if all are 1.
+  std::vector<float> factors;
+};
+
+/// Replaces the alpha of `denoised` by what is output of it.
+Matte restore_matte(const NewFrame& frame, const FilterTask& task, Image& denoised) {
+  const Image& beauty = frame.frame.image(Aov::beauty);
+  // Of clean hair, which may look noisy, no gap is given light without alpha.
+  const std::vector<std::uint8_t> noisy =
+      task.denoises_alpha ? noisy_alpha(beauty) : std::vector<std::uint8_t>(beauty.pixel_count());
+  std::vector<std::uint8_t> empty = empty_pixels(beauty, noisy);
+  std::vector<float> factors = spilled_light(beauty, empty, denoised);
+  pass_on_alpha(beauty, noisy, denoised);
+  std::ranges::transform(empty, frame.finite, empty.begin(), [](std::uint8_t is_empty, std::uint8_t finite) {
+    return static_cast<std::uint8_t>(is_empty | (finite ^ 1));
   });
-  return pixels;
+  return {.as_they_came = std::move(empty), .factors = std::move(factors)};
+}
+
+/// Multiplies the denoised pixels by the matte's factors.
+void return_spilled_light(const Matte& matte, const FilterTask& task, Frame& frame) {
+  if (matte.factors.empty()) return;
+  std::vector<Image*> images = additive_images(frame, task.used);
+  images.insert(images.end(), {&frame.image(Aov::beauty), &frame.image(Aov::variance)});
+  for_rows(frame.height(), [&](int begin, int end) {
+    const auto width = static_cast<std::size_t>(frame.width());
+    for (std::size_t i = begin * width; i < end * width; ++i) {
+      const float factor = matte.as_they_came[i] ? 1.0f : matte.factors[i];
+      for (Image* image : images) {
+        const bool is_variance = image == images.back();
+        for (std::size_t c = 0; c < 3; ++c)
+          image->data()[i * image->channels() + c] *= is_variance ? factor * factor : factor;
+      }
+    }
+  });
 }
 
 /// Converts the estimate to a frame, with its additive AOVs and the diagnostics that are wanted.
@@ -55,18 +88,14 @@ Frame output_frame(const NewFrame& frame, const FilterTask& task, MergedFrame ma
   const std::span<const float> beauty = noisy.data();
   const std::span<float> color = made.merged.color.data();
   const std::span<float> variance = result.add(Aov::variance).data();
-  // Of clean hair, which may look noisy, no gap is given light without alpha.
-  const std::vector<std::uint8_t> noisy_edges =
-      task.denoises_alpha ? noisy_alpha(noisy) : std::vector<std::uint8_t>(noisy.pixel_count());
-  const std::vector<std::uint8_t> as_they_came = unfiltered_pixels(frame, noisy_edges);
-  pass_on_alpha(noisy, noisy_edges, made.merged.color);
+  const Matte matte = restore_matte(frame, task, made.merged.color);
   std::span<float> count;
   if (contains(diagnostics, Aov::sample_count)) count = result.add(Aov::sample_count).data();
   const auto width = static_cast<std::size_t>(noisy.width());
   const double frames = sum_of_rows<double>(noisy.height(), [&](int y) {
     double of_row = 0.0;
     for (std::size_t i = y * width; i < (y + 1) * width; ++i) {
-      if (as_they_came[i]) std::copy_n(beauty.begin() + 4 * i, 4, color.begin() + 4 * i);
+      if (matte.as_they_came[i]) std::copy_n(beauty.begin() + 4 * i, 4, color.begin() + 4 * i);
       std::fill_n(variance.begin() + 3 * i, 3, stats[2 * i]);
       if (!count.empty()) count[i] = stats[2 * i + 1];
       of_row += stats[2 * i + 1];
@@ -97,7 +126,8 @@ Frame output_frame(const NewFrame& frame, const FilterTask& task, MergedFrame ma
     result.image(Aov::accumulated_normal) = std::move(accumulated.normal);
     result.image(Aov::accumulated_depth) = std::move(accumulated.depth);
   }
-  unpack_additive(frame, task, made.merged.carried, as_they_came, result);
+  unpack_additive(frame, task, made.merged.carried, matte.as_they_came, result);
+  return_spilled_light(matte, task, result);
   return result;
 }
 
