@@ -146,7 +146,8 @@ RenderJob::RenderJob(const RenderCommand& command, tracer::Scene scene)
   outputs_->keep_apart_from(scene_files_);
   attributes_ = render_attributes(kMark, asked_, command.type);
   if (filter_) {
-    schedule_.emplace(*filter_, frames, scene_.description().frames.first, scene_.description().frames.last);
+    schedule_.emplace(*filter_, frames, frame_step(command), scene_.description().frames.first,
+                      scene_.description().frames.last);
     attributes_.back().second += ' ' + filter_->describe(schedule_->readable());
     attributes_.emplace_back("becalm:preset", command.preset);
     if (command.noise_target) filter_->measure_expected_errors();

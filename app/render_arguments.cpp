@@ -134,7 +134,9 @@ void add_denoising(CLI::App& parser, RenderCommand& command) {
 
 void add_render_options(CLI::App& parser, RenderCommand& command) {
   parser.add_option("scene", command.scene, "The scene, a JSON file")->required()->option_text("SCENE.json");
-  CLI::Option* output = add_output_options(parser, command.output, "the scene's");
+  CLI::Option* output = add_output_options(parser, command.output,
+                                           "the scene's; --denoise takes 1-100x2, and a 7-7x2 of it, for a "
+                                           "shot on twos, other numbers for parts of one that has all");
   output->required(false);  // not with --debug-pixel; check_options_fit asks for it otherwise
   add_layers(parser, command);
   add_sampling(parser, command);
@@ -164,6 +166,10 @@ std::vector<int> frames_of(const RenderCommand& command, const tracer::SceneDesc
   std::vector<int> frames(static_cast<std::size_t>(scene.frames.last - scene.frames.first + 1));
   std::iota(frames.begin(), frames.end(), scene.frames.first);
   return frames;
+}
+
+int frame_step(const RenderCommand& command) {
+  return command.output.frames.empty() ? 1 : io::frame_range_step(command.output.frames);
 }
 
 AskedAovs asked_aovs(const RenderCommand& command) {

@@ -47,6 +47,8 @@ inline constexpr const char* kAutoPreset = "auto";
 /// All of these throw Error(usage) naming the option, the value and what was expected.
 Size size_of(const RenderCommand& command, const tracer::SceneDescription& scene);
 std::vector<int> frames_of(const RenderCommand& command, const tracer::SceneDescription& scene);
+/// The distance of the frames of the shot that is asked for: 2 of 1-100x2, a shot on twos.
+int frame_step(const RenderCommand& command);
 /// parse_aovs of the command, after set_defaults. A single sample has no halves: `all` leaves them out.
 AskedAovs asked_aovs(const RenderCommand& command);
 tracer::PixelSample parse_pixel_sample(const std::string& text);

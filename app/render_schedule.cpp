@@ -9,16 +9,6 @@
 namespace becalm::app {
 namespace {
 
-/// The distance of the frames asked for, such as 2 of a sequence on twos: three or more at one distance are
-/// taken for a sequence. Others, such as those that a farm lost, are part of the whole one.
-int step_of(const std::vector<int>& asked) {
-  const int step = usual_step(asked);
-  const bool is_even = std::ranges::adjacent_find(asked, [step](int a, int b) {
-                         return std::int64_t{b} - a != step;
-                       }) == asked.end();
-  return is_even && asked.size() > 2 ? step : 1;
-}
-
 /// Those of the scene at this distance from the first one asked for, and those that are named.
 std::vector<int> renderable(const std::vector<int>& asked, const std::vector<int>& context, int first,
                             int last, int step) {
@@ -40,13 +30,13 @@ std::set<int> frames_in(const std::vector<filter::Segment>& segments) {
   return frames;
 }
 
-RenderSchedule::RenderSchedule(const FilterStage& filter, const std::vector<int>& asked, int first, int last)
+RenderSchedule::RenderSchedule(const FilterStage& filter, const std::vector<int>& asked, int step, int first,
+                               int last)
     : filter_(filter),
-      readable_(
-          filter.readable(asked, renderable(asked, filter.context_frames(), first, last, step_of(asked)))),
+      readable_(filter.readable(asked, renderable(asked, filter.context_frames(), first, last, step))),
       step_(usual_step(readable_)) {
   // Frames that --context names have a distance of their own.
-  if (filter.has_segments() && filter.context_frames().empty()) step_ = std::min(step_, step_of(asked));
+  if (filter.has_segments() && filter.context_frames().empty()) step_ = std::min(step_, step);
 }
 
 std::vector<filter::Segment> RenderSchedule::segments(const std::vector<int>& work) const {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 #include <utility>
 
 #include "frame/error.h"
@@ -26,6 +27,12 @@ class RangeParser {
     return std::move(frames_);
   }
 
+  /// Of the text that was parsed.
+  int step() const {
+    const bool is_even = std::ranges::adjacent_find(steps_, std::not_equal_to()) == steps_.end();
+    return is_even ? steps_.front() : 1;
+  }
+
  private:
   [[noreturn]] void fail(const std::string& why) const {
     throw Error(
@@ -42,7 +49,7 @@ class RangeParser {
   void take_item(std::string_view& rest) {
     const std::int64_t first = take_number(rest, "frame number");
     std::int64_t last = first;
-    std::int64_t step = 1;
+    int step = 1;
     if (take(rest, '-')) {
       last = take_number(rest, "last frame number");
       if (last < first) fail(fmt::format("the range descends from {} to {}", first, last));
@@ -51,6 +58,7 @@ class RangeParser {
         if (step < 1) fail(fmt::format("the step {} is below 1", step));
       }
     }
+    steps_.push_back(step);
     if ((last - first) / step + 1 + static_cast<std::int64_t>(frames_.size()) > kMaxFrames) {
       fail(fmt::format("more than {} frames", kMaxFrames));
     }
@@ -60,12 +68,19 @@ class RangeParser {
   std::string_view text_;
   std::string_view what_;
   std::vector<int> frames_;
+  std::vector<int> steps_;  ///< of the ranges
 };
 
 }  // namespace
 
 std::vector<int> parse_frame_range(std::string_view text, std::string_view what) {
   return RangeParser(text, what).parse();
+}
+
+int frame_range_step(std::string_view text, std::string_view what) {
+  RangeParser parser(text, what);
+  parser.parse();
+  return parser.step();
 }
 
 std::string format_frame_range(const std::vector<int>& frames) {

@@ -82,6 +82,31 @@ TEST_F(Render, FramesHereAndThereAreThoseOfTheWholeSequence) {
     expect_same_beauty(folder_ / "whole.####.exr", folder_ / "some.####.exr", frame, frame);
 }
 
+TEST_F(Render, EvenlySpacedFramesAreOfAShotOnTwosOnlyIfTheRangeSaysSo) {
+  std::ifstream file(scene_);
+  std::string text(std::istreambuf_iterator<char>(file), {});
+  const std::string four = R"("last": 4)";
+  text.replace(text.find(four), four.size(), R"("last": 6)");
+  write_text(scene_, text);
+  const auto frames = [&](const std::string& name, const std::string& range) {
+    render(name + ".####.exr", {"--spp", "1", "--denoise", "--frames", range});
+  };
+  const auto expect_same = [&](const std::string& whole, const std::string& part, int frame) {
+    expect_same_beauty(folder_ / (whole + ".####.exr"), folder_ / (part + ".####.exr"), frame, frame);
+  };
+  frames("ones", "1-6");
+  frames("lost", "1,3,5");
+  frames("twos", "1-5x2");
+  frames("first", "1-3x2");
+  frames("last", "5-5x2");
+  for (const int frame : {1, 3, 5}) {
+    expect_same("ones", "lost", frame);
+    expect_same("twos", frame == 5 ? "last" : "first", frame);
+  }
+  EXPECT_FALSE(same_pixels(read_frame(folder_ / "ones.0003.exr").image(Aov::beauty),
+                           read_frame(folder_ / "twos.0003.exr").image(Aov::beauty)));
+}
+
 TEST_F(Render, FramesThatContextNamesMayBeFartherApart) {
   const std::vector<std::string> named{"--frames", "3", "--context", "1-5x2"};
   std::vector<std::string> rendered{"--float", "--spp", "1", "--denoise"};

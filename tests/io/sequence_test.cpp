@@ -58,6 +58,16 @@ TEST(FrameRange, ErrorsNameTheTextAndTheReason) {
   EXPECT_NE(error("-2147483648-2147483647").find("more than 1000000 frames"), std::string::npos);
 }
 
+TEST(FrameRange, HasAStepIfAllOfItDoes) {
+  EXPECT_EQ(frame_range_step("1-100x2"), 2);
+  EXPECT_EQ(frame_range_step("7-7x2"), 2);
+  EXPECT_EQ(frame_range_step("1-9x2,21-29x2"), 2);
+  EXPECT_EQ(frame_range_step("1-9x2,21-30x3"), 1);
+  EXPECT_EQ(frame_range_step("1-9x2,11"), 1);
+  EXPECT_EQ(frame_range_step("1,3,5"), 1);
+  EXPECT_EQ(frame_range_step("1-4"), 1);
+}
+
 TEST(FrameRange, FormattedRangesParseToTheSameFrames) {
   EXPECT_EQ(format_frame_range({}), "");
   EXPECT_EQ(format_frame_range({5}), "5");
