@@ -14,6 +14,7 @@ import plan as farm
 
 FARM = Path(farm.__file__).parent
 
+LAYERS = "albedo,normal,depth,motion,variance"  # that the filter uses
 FAKE_SBATCH = """#!/bin/sh
 echo "$@" >>"$CALLS"
 wc -l <"$CALLS" | tr -d ' '
@@ -78,6 +79,7 @@ class Submitted(unittest.TestCase):
         self.path = Path(self.folder.name)
         self.calls = self.path / "calls"
         self.calls.touch()
+        (self.path / "shot.json").touch()
         for name, text in (("sbatch", FAKE_SBATCH), ("becalm", FAKE_BECALM), ("scontrol", FAKE_SCONTROL)):
             program = self.path / name
             program.write_text(text)
@@ -114,8 +116,25 @@ class Submitted(unittest.TestCase):
 
     def test_values_may_begin_with_a_dash(self):
         self.submit(self.path / "shot.json", "--frames", "-3-4", "--denoise-options", "--no-stereo", "--render-options", "-q")
-        self.assertEqual(self.task("render", 1)[1][-1].split()[-4:], ["--frames", "0-4", "--resume", "-q"])
+        self.assertEqual(self.task("render", 1)[1][-1].split()[-6:], ["--frames", "0-4", "--resume", "--aovs", LAYERS, "-q"])
         self.assertEqual(self.task("denoise", 0)[1][-1].split()[-4:], ["--frames", "-3--1", "--resume", "--no-stereo"])
+
+    def test_layers_that_are_named_are_kept(self):
+        for named in ("--aovs none --spp 8", "--spp 8 --aovs=all"):
+            self.submit(self.path / "shot.json", "--render-options", named)
+            self.assertTrue(self.task("render", 1)[1][-1].endswith(f"--resume {named}"))
+
+    def test_what_is_refused_leaves_the_plan_before_it(self):
+        self.submit(self.path / "shot.json")
+        plan = self.path / "out/farm.a/plan.json"
+        before = plan.read_text()
+        without_slurm = {"PATH": str(self.path / "empty")}
+        for source, variables, word in (("typo.json", {}, "no such scene"), ("shot.json", without_slurm, "no Slurm")):
+            done = self.run_script("submit", self.path / source, "-o", self.path / "out/a.####.exr", "--frames", "1-9", **variables)
+            self.assertEqual(done.returncode, 2)
+            self.assertIn(word, done.stderr)
+            self.assertEqual(plan.read_text(), before)
+            self.assertTrue((self.path / "out/farm.a/jobs").exists())
 
     def test_frames_that_are_there_are_denoised_as_one_array(self):
         denoise, check = self.submit(self.path / "in.####.exr")
@@ -148,7 +167,7 @@ class Submitted(unittest.TestCase):
         status, calls = self.task("render", 1)
         noisy = self.path / "out/noisy/a.####.exr"
         self.assertEqual((status, calls),
-                         (0, [f"render {self.path}/shot.json -o {noisy} --frames 32-63 --resume --spp 8"]))
+                         (0, [f"render {self.path}/shot.json -o {noisy} --frames 32-63 --resume --aovs {LAYERS} --spp 8"]))
         self.assertEqual(self.task("denoise", 0, STATUS="4")[1][-1], "scontrol requeue 9_0")
         self.assertEqual(self.task("denoise", 0, STATUS="3")[1][-1].split()[0], "denoise")
         status = self.run_script("status", self.path / "out/a.####.exr")
