@@ -4,7 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -44,7 +44,8 @@ PlacedFrame read_layer_as_beauty(const std::string& path, int number, const std:
     for (int x = 0; x < frame.width(); ++x) {
       for (int c = 0; c < 3; ++c) {
         const float value = c < image.channels() ? image.at(x, y, c) : 0.0f;
-        beauty.at(x, y, c) = std::isinf(value) ? 0.0f : value;  // the depth of what hits nothing
+        const bool hits_nothing = *aov == Aov::depth && value == std::numeric_limits<float>::infinity();
+        beauty.at(x, y, c) = hits_nothing ? 0.0f : value;
       }
     }
   }

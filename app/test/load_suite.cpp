@@ -78,6 +78,7 @@ std::vector<std::string> read_strings(const JsonValue& json) {
 std::vector<std::string> read_aovs(const JsonValue& json) {
   std::vector<std::string> aovs = read_strings(json);
   if (!aovs.empty()) parsed(json, fmt::format("{}", fmt::join(aovs, ",")), parse_aovs);
+  std::erase(aovs, "none");  // which stands alone; a case may replace its defaults by it
   return aovs;
 }
 

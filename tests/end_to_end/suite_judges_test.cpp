@@ -248,6 +248,32 @@ TEST_F(SuiteJudges, AReferenceThatCannotBeMadeIsTold) {
   EXPECT_FALSE(fs::exists(folder_ / "references"));
 }
 
+TEST_F(SuiteJudges, OnlyInDepthIsInfinityAValue) {
+  Frame frame = noise_frame(1, kSize, kSize);
+  for (const Aov aov : {Aov::direct, Aov::depth}) frame.add(aov, 0.5f);
+  frame.image(Aov::direct).at(3, 4, 1) = std::numeric_limits<float>::infinity();
+  frame.image(Aov::depth).at(3, 4, 0) = std::numeric_limits<float>::infinity();
+  io::write_exr(folder_ / "image.exr", frame, {}, io::PixelType::float32);
+  const auto write_case_of = [&](const std::string& layer) {
+    write_suite(fmt::format(
+        R"("a": {{"source": {{"command": ["sh", "-c", "cp image.exr $0; # {{seed}}", "{{output}}"]}}, "layer": "{}",
+           "judged_by": {{"error": {{"max_rel_mse": 1}}}}}})",
+        layer));
+  };
+  write_case_of("depth");
+  update();
+  EXPECT_EQ(run().status, 0);
+  write_case_of("direct");
+  expect_error(run({"--update", "--yes"}), 3, {"suite/a", "frame 1 has pixels that are not finite"});
+}
+
+TEST_F(SuiteJudges, ACaseMayHaveNoneOfTheLayersOfItsDefaults) {
+  const std::string defaults = R"({"source": {"aovs": ["albedo"]}})";
+  write_suite(scene_case("a", R"("statistical": true)", R"(, "aovs": ["none"])"), defaults);
+  update();
+  EXPECT_EQ(run().status, 0);
+}
+
 TEST_F(SuiteJudges, ReferencesRecordTheSamplesThatTheyWereAskedFor) {
   const auto recorded = [&](const std::string& script) {
     write_suite(shell_case("a", script, ", \"spp\": 4", R"("error": {"max_rel_mse": 1})"));
