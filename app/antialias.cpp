@@ -79,6 +79,9 @@ Command add_antialias(CLI::App& becalm) {
             !given.empty() && given != "auto" && given != "even" && given != "odd") {
           throw Error(ExitStatus::usage, fmt::format("--checkerboard={}: expected auto, even or odd", given));
         }
+        if (const std::string& last = command->inputs.back();
+            last == "auto" || last == "even" || last == "odd")
+          throw Error(ExitStatus::usage, fmt::format("{0}: expected --checkerboard={0}", last));
         const Checkerboards checkerboards = command->checkerboard.empty()     ? Checkerboards::refused
                                             : command->checkerboard == "auto" ? Checkerboards::as_files_tell
                                                                               : Checkerboards::as_told;

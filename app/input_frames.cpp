@@ -223,10 +223,10 @@ void InputFrames::refuse_incomplete(const std::vector<int>& asked) const {
     if (!asked.empty())
       std::erase_if(alone, [&](int frame) { return !std::ranges::binary_search(asked, frame); });
     if (alone.empty()) return;
-    throw Error(
-        ExitStatus::bad_input,
-        fmt::format("{}: no file for frame {}, which {} has{}; --missing skip or hold goes on without",
-                    lacks.text(), io::format_frame_range(alone), has.text(), lacks.hint_where_missing()));
+    throw Error(ExitStatus::bad_input,
+                fmt::format("{}: no file for {} {}, which {} has{}; --missing skip or hold goes on without",
+                            lacks.text(), alone.size() == 1 ? "frame" : "frames",
+                            io::format_frame_range(alone), has.text(), lacks.hint_where_missing()));
   };
   refuse(first, second, pattern_, *other());
   refuse(second, first, *other(), pattern_);
@@ -276,9 +276,9 @@ void InputFrames::assign_outputs(const std::vector<int>& asked, const std::vecto
   const std::string pattern = names();
   if (!absent.empty() && missing == Missing::error) {
     throw Error(ExitStatus::bad_input,
-                fmt::format("{}: no file for frame {} of {}{}; --missing skip or hold goes on without",
-                            pattern, io::format_frame_range(absent), io::format_frame_range(asked),
-                            pattern_.hint_where_missing()));
+                fmt::format("{}: no file for {} {} of {}{}; --missing skip or hold goes on without", pattern,
+                            absent.size() == 1 ? "frame" : "frames", io::format_frame_range(absent),
+                            io::format_frame_range(asked), pattern_.hint_where_missing()));
   }
   if (missing == Missing::hold && !without_earlier.empty()) {
     throw Error(ExitStatus::bad_input,

@@ -317,6 +317,12 @@ io::LoadedFrame SequenceJob::read(const filter::Step& step) {
   }
   if (filter_.checkerboards() == Checkerboards::as_told) {
     const Parity parity = given_checkerboard(command_.checkerboard, frame, window_.window.min);
+    if (loaded.frame.checkerboard().value_or(parity) != parity) {
+      throw Error(ExitStatus::bad_input,
+                  fmt::format("{}: becalm:checkerboard tells the other pixels than --checkerboard={}; "
+                              "--checkerboard alone takes those",
+                              inputs_.path(frame), command_.checkerboard));
+    }
     loaded.frame.set_checkerboard(parity);
     for (io::LoadedView& view : loaded.other_views) view.frame.set_checkerboard(parity);
   }
@@ -335,7 +341,7 @@ void SequenceJob::require_sound_input(const std::vector<int>& frames) const {
 }
 
 std::string SequenceJob::halves_text() const {
-  return fmt::format("{} and {} hold a half of the samples each; their mean is denoised (else --no-halves)",
+  return fmt::format("{} and {} hold a half of the samples each; their mean is taken (else --no-halves)",
                      inputs_.pattern().text(), inputs_.other_half()->text());
 }
 

@@ -186,6 +186,10 @@ TEST_F(Antialias, MakesCheckerboardsWhole) {
   becalm_done(command("auto.####.exr", {"--checkerboard", "--quiet"}));
   becalm_done(command("even.####.exr", {"--checkerboard=even", "--quiet"}));
   expect_same_beauty(folder_ / "auto.####.exr", folder_ / "even.####.exr", 1, 4);
+  expect_error(becalm(command("odd.####.exr", {"--checkerboard=odd"})), 3,
+               {"in.000", "becalm:checkerboard", "--checkerboard=odd"});
+  EXPECT_FALSE(fs::exists(frame_path(folder_ / "odd.####.exr", 1)));
+  expect_error(becalm(command("odd.####.exr", {"--checkerboard", "odd"})), 2, {"--checkerboard=odd"});
   AovSet depth;
   depth.set(static_cast<std::size_t>(Aov::depth));
   const Frame whole = read_frame(frame_path(folder_ / "auto.####.exr", 1), depth);
