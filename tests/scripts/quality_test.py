@@ -1,5 +1,6 @@
 """What `scripts/bench quality` computes itself, on data with known results."""
 
+import contextlib
 import json
 import os
 import subprocess
@@ -15,7 +16,7 @@ from benches.frame_errors import rel_mse, temporal_error
 from benches.geometric_mean import geometric_mean
 from benches.made_of import keep_if_same
 from benches.quality.cells import Cells, files_of, radiance
-from benches.quality.data import MissingFrames, frame_path
+from benches.quality.data import Data, MissingFrames, Renderer, frame_path
 from benches.quality.goals import seam_ratio
 from benches.quality.run import arguments, find_data
 from benches.quality.shots import Shots
@@ -149,6 +150,26 @@ def write_exr(path, values, channels=("R", "G", "B")):
     image = oiio.ImageBuf(spec)
     image.set_pixels(oiio.ROI(0, 4, 0, 3, 0, 1, 0, len(channels)), np.full((3, 4, len(channels)), values, np.float32))
     assert image.write(str(path)), image.geterror()
+
+
+class RenderedFrames(unittest.TestCase):
+    def test_those_of_another_tracer_are_rendered_anew_those_of_another_filter_stay(self):
+        with tempfile.TemporaryDirectory() as name:
+            folder, becalm = Path(name), Path(name) / "becalm"
+            for value in (1, 2):
+                write_exr(folder / f"{value}.exr", value)
+            for build, tracer in enumerate((1, 1, 2)):
+                becalm.write_text(f"""#!/bin/sh
+                    # build {build}
+                    file=$(echo "$4" | sed s/####/0008/)
+                    [ -e "$file" ] || cp {folder}/{tracer}.exr "$file"
+                """)
+                becalm.chmod(0o755)
+                with contextlib.redirect_stdout(None):
+                    frame = frame_path(Data(folder / "data", [8], [8], [1], Renderer(becalm, "4x3")).noisy("spheres", 1), 8)
+                rendered = rendered if build else frame.stat().st_mtime_ns
+                self.assertEqual(frame.stat().st_mtime_ns == rendered, tracer == 1)
+                self.assertEqual(frame.read_bytes(), (folder / f"{tracer}.exr").read_bytes())
 
 
 class ShotsOfOthers(unittest.TestCase):

@@ -1,17 +1,23 @@
 """The frames that the variants are measured on: noisy ones in FOLDER/SCENE/nSPP, references in FOLDER/SCENE/a and b."""
 
+import functools
+import hashlib
 import re
+import subprocess
 import tempfile
 import time
 from pathlib import Path
 
-from benches.made_of import content_hash
+import OpenImageIO as oiio
+
+from benches.made_of import content_hash, keep_if_recipe
 from benches.quality import render_time
 from benches.timed import timed
 
 SCENES = Path(__file__).resolve().parents[3] / "scenes"
 AOVS = ["variance", "albedo", "normal", "depth", "motion", "object_id"]
 HALVES = ["half_a", "half_b"]  # exist from 2 spp on
+TRACED = ["--frames", "8", "--size", "192x108", "--spp", "4", "--seed", "1", "--aovs", ",".join(AOVS + HALVES)]  # tells tracers apart
 REFERENCES = {"a": 1001, "b": 1002}  # folders and seeds; the seed of noisy frames is their number of samples per pixel
 
 
@@ -79,9 +85,9 @@ class Renderer:
         self.becalm, self.size, self.made_by = becalm, size, content_hash(becalm)
 
     def __call__(self, scene_file, pattern, frames, spp, seed, aovs):
-        """Renders the frames that do not exist."""
+        """Renders the frames that do not exist or that another tracer rendered, or of another scene. Those of other options are refused by `--resume`."""
         print(f"render {scene_file.stem}, {spp} spp, frames {frame_range(frames)}", flush=True)
-        pattern.parent.mkdir(parents=True, exist_ok=True)
+        keep_if_recipe(pattern.parent, tracer=self._tracer(scene_file), scene=scene_file.read_text(), aovs=aovs)
         started = time.time()
         cost = self._render(scene_file, pattern, frames, spp, seed, aovs)
         rendered = sum(frame_path(pattern, frame).stat().st_mtime >= started for frame in frames)
@@ -93,6 +99,16 @@ class Renderer:
         with tempfile.TemporaryDirectory() as folder:
             cost = self._render(scene_file, Path(folder) / "f.####.exr", frames, spp, seed, aovs)
         render_time.note(pattern.parent, len(frames), cost.wall_s, cost.processor_s, self.made_by)
+
+    @functools.cache
+    def _tracer(self, scene_file):
+        """The hash of a small frame's pixels. That of the program changes with its filter, and references take hours."""
+        with tempfile.TemporaryDirectory() as folder:
+            subprocess.run([self.becalm, "render", scene_file, "-o", f"{folder}/f.exr", *TRACED, "--type=float", "--quiet"], check=True)
+            frame = oiio.ImageBuf(f"{folder}/f.exr")
+            if frame.has_error:
+                raise OSError(f"{scene_file.stem}: {frame.geterror()}")
+            return hashlib.sha256(str(frame.spec().channelnames).encode() + frame.get_pixels(oiio.FLOAT).tobytes()).hexdigest()[:16]
 
     def _render(self, scene_file, pattern, frames, spp, seed, aovs):
         _, cost = timed([self.becalm, "render", scene_file, "-o", pattern, "--frames", frame_range(frames), "--size", self.size,
