@@ -1,6 +1,7 @@
-"""Frames on disk that serve later runs for as long as they would be made the same again."""
+"""Frames and figures on disk that serve later runs for as long as they would be made the same again."""
 
 import hashlib
+import inspect
 import json
 from pathlib import Path
 
@@ -9,6 +10,11 @@ from whole_file import write_whole
 
 def content_hash(path):
     return hashlib.sha256(Path(path).read_bytes()).hexdigest()[:16]
+
+
+def sources_of(function):
+    """The files of all functions that the function's module has or imports."""
+    return sorted({inspect.getsourcefile(value) for value in vars(inspect.getmodule(function)).values() if inspect.isfunction(value)})
 
 
 def keep_if_recipe(folder, **recipe):

@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 
 from benches.front.adaptive import at_time, table, target_table
-from benches.front.cells import sources_of
 from benches.front.dominance import dominator, dominates, front
 from benches.front.exponent import exponent, local_exponents
 from benches.front.gaps import Gap, told
@@ -20,6 +19,7 @@ from benches.front.non_local_means import non_local_means
 from benches.front.plain_curve import PlainCurve
 from benches.front.points import Point, Trade, mean_trade, mean_worth, positive_errors
 from benches.front.tables import dominated, statement
+from benches.made_of import sources_of
 from benches.peer.run import row
 from benches.quality.render_time import note, seconds_a_frame
 

@@ -14,7 +14,7 @@ import OpenImageIO as oiio
 
 from benches.frame_errors import rel_mse, temporal_error
 from benches.geometric_mean import geometric_mean
-from benches.made_of import keep_if_same
+from benches.made_of import content_hash, keep_if_same
 from benches.quality.cells import Cells, files_of, radiance
 from benches.quality.data import Data, MissingFrames, Renderer, frame_path
 from benches.quality.goals import seam_ratio
@@ -231,6 +231,15 @@ class ShotsOfOthers(unittest.TestCase):
         for factor, expected in ((1.1, 1), (1.1, 1), (1.2, 2)):
             script.write_text(f'for file in "$(dirname "$1")"/*.exr; do oiiotool "$file" --mulc {factor} -o "$(dirname "$2")/$(basename "$file")"; done\necho x >>{calls}\n')
             self.assertAlmostEqual(self.measured(command, resume=True)["mean"]["energy"], factor - 1, delta=1e-3)
+            self.assertEqual(calls.read_text().count("x"), expected)
+
+    def test_figures_that_other_code_measured_are_measured_anew(self):
+        calls = self.folder / "calls"
+        command = ("sh", "-c", f'cp "$(dirname "$1")"/*.exr "$(dirname "$2")"; echo x >>{calls}', "-", "{noisy}", "{denoised}")
+        for changed, expected in (("", 1), ("", 1), ("still.py", 2), ("cells.py", 3)):
+            hashed = lambda path: content_hash(path) + (Path(path).name == changed) * "changed"
+            with unittest.mock.patch("benches.quality.cells.content_hash", hashed):
+                self.measured(command, resume=True)
             self.assertEqual(calls.read_text().count("x"), expected)
 
     def test_the_evaluation_of_open_image_denoise_is_one_of_its_files(self):

@@ -1,13 +1,13 @@
 """Cells of recipes besides those of becalm."""
 
-import inspect
 import time
 
 import numpy as np
 import OpenImageIO as oiio
 
 from benches.front.methods import Recipe
-from benches.quality.cells import Cells, content_hash, plain_name, radiance
+from benches.made_of import content_hash, sources_of
+from benches.quality.cells import Cells, plain_name, radiance
 from benches.quality.data import frame_path
 from pictures.files import read_layers
 
@@ -16,16 +16,11 @@ class MissingLayer(Exception):
     pass
 
 
-def sources_of(function):
-    """The files of all functions that the function's module has or imports."""
-    return sorted({inspect.getsourcefile(value) for value in vars(inspect.getmodule(function)).values() if inspect.isfunction(value)})
-
-
 class FrontCells(Cells):
     def _options(self, variant):
         if not isinstance(variant, Recipe):
             return super()._options(variant)
-        return [content_hash(path) for path in sources_of(variant.filter)]
+        return [content_hash(path) for path in (*sources_of(variant.filter), __file__)]
 
     def _denoise(self, variant, noisy, denoised):
         if not isinstance(variant, Recipe):

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import OpenImageIO as oiio
 
-from benches.made_of import content_hash
+from benches.made_of import content_hash, sources_of
 from benches.quality.data import frame_path, frame_range
 from benches.quality.pictures import write_pictures, write_references
 from benches.quality.still import over_ideal, still_pixels
@@ -64,7 +64,7 @@ class Cells:
     def __init__(self, program, data, output, reference_spp, resume):
         self.program, self.data, self.output, self.reference_spp, self.resume = program, data, output, reference_spp, resume
         (output / "cells").mkdir(parents=True, exist_ok=True)
-        self.made_by = content_hash(program.path)
+        self.made_by, self.measured_by = content_hash(program.path), [*map(content_hash, sources_of(Cells.measure))]
 
     def measure(self, scene, spp, variant, pictured):
         """The cell's figures. Raises MissingFrames if noisy frames or references are missing."""
@@ -72,7 +72,7 @@ class Cells:
         file = self.output / "cells" / f"{scene}.{spp}.{variant.name}.json"
         inputs = [frame_path(noisy, frame) for frame in self.data.frames] + [
             frame_path(reference, frame) for reference in references for frame in self.data.measured]
-        recipe = {"program": self.made_by, "options": self._options(variant), "without": list(variant.without),
+        recipe = {"program": self.made_by, "measured_by": self.measured_by, "options": self._options(variant), "without": list(variant.without),
                   "frames": list(self.data.frames), "measured": list(self.data.measured), "reference_spp": self.reference_spp,
                   "input": str(noisy), "changed": max(path.stat().st_mtime for path in inputs), "pictured": pictured}
         if self.resume and file.exists():
