@@ -74,6 +74,15 @@ class Backgrounds(unittest.TestCase):
         self.assertAlmostEqual(of_history[1] / of_history[0], 0.25, delta=0.05)
         self.assertLess(self.put_behind(1, variance=-1.0)[1].max(), 0.0)  # unknown stays unknown
 
+    def test_noise_of_both_is_told_as_their_mix_has_it(self):
+        size, variance = 300, 0.04
+        for samples, share, noise in ((2, 0.5, 0.0), (16, 0.25, 0.0), (16, 0.5, 0.1), (16, 0.9, 0.1)):
+            background = backgrounds.Background(np.full((3, size, size), 2.0), noise, np.full((size, size), share), np.ones((3, size, size)), samples)
+            colors = np.tile(1 + np.sqrt(variance) * self.rng.normal(size=(3, size, size)), (2, 1, 1))
+            mixed, told, _, _ = backgrounds.put_behind(self.rng, background, colors, np.full((1, size, size), variance), np.ones((14, size, size)),
+                                                       np.ones((2, 3, size, size)))
+            self.assertAlmostEqual(told.mean() / mixed[:3].var(), 1.0, delta=0.03)
+
 
 class Patterns(unittest.TestCase):
     def pattern(self, kind, **changed):
