@@ -38,13 +38,16 @@ def convolved_layers(layers, kernel):
 
 
 def convolved_pair(pair, kernel):
-    """Of a frame that is not merged."""
-    whole = lambda image: convolved(image.astype(np.float32), kernel).astype(np.float16)
-    features = [np.concatenate([whole(f[:6]), f[6:]]) for f in pair.features]
-    deviations = [np.sqrt(convolved(d.astype(np.float32) ** 2, kernel**2)).astype(np.float16) for d in pair.variances]
+    """Of a frame that is not merged, exposed anew."""
+    whole = lambda image: convolved(image.astype(np.float32), kernel)
+    color = whole(pair.color)
+    exposure = shots.exposure_of(color)
+    features = [np.concatenate([whole(f[:6]), f[6:]]).astype(np.float16) for f in pair.features]
+    deviations = [exposure * np.sqrt(convolved(d.astype(np.float32) ** 2, kernel**2)) for d in pair.variances]
     shot, name = pair.name.split("/")
-    return dataclasses.replace(pair, name=f"{shot}/{shots.SHARED}{name}", color=whole(pair.color), variances=deviations, features=features,
-                               references=[whole(r) for r in pair.references])
+    return dataclasses.replace(pair, name=f"{shot}/{shots.SHARED}{name}", color=shots.half(exposure * color),
+                               variances=[d.clip(0, shots.FIREFLY).astype(np.float16) for d in deviations], features=features,
+                               references=[shots.half(exposure * whole(r)) for r in pair.references])
 
 
 def convolved_crop(crop, kernel):

@@ -174,13 +174,15 @@ class SharedNoise(unittest.TestCase):
         pair = self.pair()
         kernel = np.float32([0.0, 0.25, 0.5, 0.25, 0.0])
         shared = shared_noise.convolved_pair(pair, kernel)
-        both = [(pair.color, shared.color)] + list(zip(pair.references, shared.references))
-        both += [(a[:6], b[:6]) for a, b in zip(pair.features, shared.features)]
-        for before, after in both:
-            np.testing.assert_allclose(after, shared_noise.convolved(np.float32(before), kernel), atol=1e-3)
+        exposure = shots.exposure_of(shared_noise.convolved(np.float32(pair.color), kernel))
+        both = [(exposure, pair.color, shared.color)] + [(exposure, a, b) for a, b in zip(pair.references, shared.references)]
+        both += [(1, a[:6], b[:6]) for a, b in zip(pair.features, shared.features)]
+        for gain, before, after in both:
+            np.testing.assert_allclose(after, gain * shared_noise.convolved(np.float32(before), kernel), atol=2e-3)
+        self.assertAlmostEqual(shots.exposure_of(shared.color), 1.0, delta=1e-3)
         for before, after in zip(pair.features, shared.features):
             np.testing.assert_array_equal(after[6], before[6])
-        np.testing.assert_allclose(shared.variances[0], 0.5 * 0.375, rtol=2e-3)
+        np.testing.assert_allclose(shared.variances[0], exposure * 0.5 * 0.375, rtol=2e-3)
 
     def test_a_crop_is_convolved_as_a_whole(self):
         kernel = np.float32([0.0, 0.25, 0.5, 0.25, 0.0])
