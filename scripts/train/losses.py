@@ -28,9 +28,9 @@ def smoothed(network, batch, layout=torch.channels_last):
     return network(inputs.contiguous(memory_format=layout), irradiance, own_irradiance, divisor, own_divisor)
 
 
-def random_scales(count):
+def random_scales(count, generator=None):
     """How bright each crop of a batch is shown to the loss: what is dark in one shot counts fully in another."""
-    return LOSS_SCALE * torch.exp(SCALE_SPREAD * torch.randn(count, 1, 1, 1))
+    return LOSS_SCALE * torch.exp(SCALE_SPREAD * torch.randn(count, 1, 1, 1, generator=generator))
 
 
 def training_loss(result, log_error, references, scales, least=LEAST_RELATIVE):

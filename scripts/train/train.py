@@ -100,11 +100,15 @@ class Trainer:
         torch.save(state, self.path(name + ".partial"))
         os.replace(self.path(name + ".partial"), self.path(name))
 
+    def numbers_of_step(self):
+        """Random numbers of the seed and the step, so that a training that goes on does not draw those of its start again."""
+        return torch.Generator().manual_seed(int(np.random.SeedSequence([self.args.seed, self.step]).generate_state(1)[0]))
+
     def train_step(self, batch):
         for group in self.optimizer.param_groups:
             group["lr"] = self.args.rate * share_of_rate(self.share_done(), self.step)
         batch = [t.to(self.args.device) for t in batch]
-        scales = losses.random_scales(len(batch[0])).to(self.args.device)
+        scales = losses.random_scales(len(batch[0]), self.numbers_of_step()).to(self.args.device)
         loss, relative = losses.training_loss(*losses.smoothed(self.network, batch), batch[3], scales, self.least)
         self.optimizer.zero_grad()
         loss.backward()

@@ -357,6 +357,22 @@ class Shots(unittest.TestCase):
         with open(f"{out}/curve.csv") as file:
             self.assertEqual(len(file.readlines()), 2)
 
+    def test_each_step_draws_the_same_numbers_whether_training_was_stopped_or_not(self):
+        drawn = {}
+        def trained(out, steps):
+            args = train.parse(["--size", "small", "--steps", str(steps), "--crop", "16", "--batch", "2", self.folder.name, f"{self.folder.name}/{out}"])
+            def scales(*asked):
+                drawn.setdefault(out, []).append(made := random_scales(*asked))
+                return made
+            random_scales = losses.random_scales
+            with unittest.mock.patch.object(losses, "random_scales", scales):
+                train.Trainer(args).run()
+        for out, steps in (("stopped", 2), ("stopped", 4), ("whole", 4)):
+            trained(out, steps)
+        self.assertEqual(len(drawn["whole"]), 4)
+        torch.testing.assert_close(drawn["stopped"], drawn["whole"])
+        self.assertEqual(len({float(scales[0]) for scales in drawn["whole"]}), 4)
+
     def test_what_was_best_is_measured_anew_on_other_shots(self):
         out = f"{self.folder.name}/out_of_others"
         trainer = train.Trainer(train.parse(["--size", "small", "--crop", "32", self.folder.name, out]))
