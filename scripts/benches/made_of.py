@@ -17,18 +17,18 @@ def sources_of(function):
     return sorted({inspect.getsourcefile(value) for value in vars(inspect.getmodule(function)).values() if inspect.isfunction(value)})
 
 
-def keep_if_recipe(folder, **recipe):
-    """Removes the folder's EXR files unless they were made of this recipe (anything that json writes), which is kept beside them."""
+def keep_if_recipe(folder, recipe, files="*.exr"):
+    """Removes these files of the folder unless they were made of this recipe (anything that json writes), which is kept beside them."""
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     stamp, text = folder / "made_of.json", json.dumps(recipe)
     if stamp.exists() and stamp.read_text() == text:
         return
-    for path in folder.glob("*.exr"):
+    for path in folder.glob(files):
         path.unlink()
     write_whole(stamp, text)
 
 
 def keep_if_same(folder, program, **recipe):
     """Removes the folder's EXR files unless they were made by this program of this recipe."""
-    keep_if_recipe(folder, program=content_hash(program), **recipe)
+    keep_if_recipe(folder, {"program": content_hash(program)} | recipe)

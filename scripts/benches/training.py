@@ -1,10 +1,12 @@
 """What the smoother's training depends on: from scratch on the shots of both renderers, on those of each alone, with the
-smaller network, and over time. Called by `scripts/bench report training`; goes on where an earlier run was stopped."""
+smaller network, and over time. Called by `scripts/bench report training`; goes on where an earlier run of the same code, options and
+shots was stopped."""
 
 import csv
 import os
 import subprocess
 import sys
+import zipfile
 from pathlib import Path
 
 sys.path.insert(0, "scripts/train")
@@ -13,7 +15,9 @@ import torch  # noqa: E402
 
 import batches  # noqa: E402
 import network  # noqa: E402
+import shots  # noqa: E402
 import train  # noqa: E402
+from benches.made_of import content_hash, keep_if_recipe  # noqa: E402
 from benches.markdown_report import markdown  # noqa: E402
 
 DATA = "build/train/shots"  # of scripts/train/run
@@ -35,8 +39,18 @@ def checkpoint(folder):
     return torch.load(path, map_location="cpu") if path.exists() else None
 
 
+def learned():
+    """The names of what the shots' pairs hold, with the checksums that are in their files."""
+    for folder in shots.complete_shots(DATA):
+        for file in shots.pair_files(folder):
+            with zipfile.ZipFile(f"{folder}/{file}") as arrays:
+                yield [os.path.basename(folder), file, *((array.filename, array.CRC) for array in arrays.infolist())]
+
+
 def trained(folder, options):
-    """The checkpoint after STEPS steps."""
+    """The checkpoint after STEPS steps. Other code, options or shots train from the start."""
+    code = [*map(content_hash, sorted(Path("scripts/train").glob("*.py")))]
+    keep_if_recipe(folder, {"code": code, "options": options, "steps": STEPS, "learned": list(learned())}, "*")
     state = checkpoint(folder)
     if state is None or state["step"] < STEPS:
         subprocess.run([sys.executable, "scripts/train/train.py", DATA, str(folder), "--steps", str(STEPS), "--threads", "1", *options],

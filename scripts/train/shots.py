@@ -205,12 +205,16 @@ def load_pairs(folder, file):
     return pairs
 
 
-def load_shot(folder):
-    """The pairs of a shot, packed before if need be: of its frames, then of what merged_shots.py made of them."""
+def pair_files(folder):
+    """The files of a shot's pairs: of its frames, packed before if need be, and of what merged_shots.py made of them."""
     if not os.path.exists(f"{folder}/{PACKED}"):
         pack_shot(folder)
-    files = [file for file in (PACKED, MERGED) if os.path.exists(f"{folder}/{file}")]
-    return [pair for file in files for pair in load_pairs(folder, file)]
+    return [file for file in (PACKED, MERGED) if os.path.exists(f"{folder}/{file}")]
+
+
+def load_shot(folder):
+    """The pairs of a shot."""
+    return [pair for file in pair_files(folder) for pair in load_pairs(folder, file)]
 
 
 def of_albedo(pairs):

@@ -1,15 +1,18 @@
-"""Tests of RESULTS.md's first table, and of the evaluation of Open Image Denoise's networks that becalm is compared with."""
+"""Tests of RESULTS.md's first table, of the trainings it tells of, and of the evaluation of Open Image Denoise's networks that becalm is compared with."""
 
 import struct
 import subprocess
 import sys
 import tempfile
 import unittest
+import unittest.mock
 from pathlib import Path
 
 import numpy as np
 import OpenImageIO as oiio
+import torch
 
+from benches import training
 from benches.at_a_glance import at_a_glance
 from benches.markdown_report import within_columns
 from benches.quality.oidn import PerceptualRange, exposure, from_srgb, to_srgb
@@ -22,6 +25,31 @@ class AtAGlance(unittest.TestCase):
         rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in at_a_glance(parts).strip().splitlines()[2:]]
         self.assertEqual(rows, [["`draft`", "1/9", "1/11", "1/8", "1/30", "1.5", "1400"],
                                 ["OIDN, each frame alone", "1/12", "1/13", "-", "-", "-", "-"]])
+
+
+class Trainings(unittest.TestCase):
+    def test_what_was_trained_otherwise_starts_anew(self):
+        with tempfile.TemporaryDirectory() as name:
+            shot, out = Path(name) / "data/becalm-000000", Path(name) / "out"
+            shot.mkdir(parents=True)
+            (shot / "shot.json").touch()
+            went_on, steps_left = [], iter([1])  # the first training is stopped
+
+            def train(command, **_):
+                went_on.append((out / "checkpoint.pt").exists())
+                torch.save({"step": int(command[command.index("--steps") + 1]) - next(steps_left, 0)}, out / "checkpoint.pt")
+
+            def trained(steps=3, options=(), radiance=1.0, changed=""):
+                np.savez(shot / "pairs.npz", color=np.full(3, radiance))
+                hashed = lambda path: path.name + "changed" * (path.name == changed)
+                with (unittest.mock.patch.multiple(training, DATA=name + "/data", STEPS=steps, content_hash=hashed),
+                      unittest.mock.patch("subprocess.run", train)):
+                    return training.trained(out, list(options))["step"]
+
+            self.assertEqual((trained(), trained(), trained(), went_on), (2, 3, 3, [False, True]))
+            for other in ({"steps": 2}, {"options": ["--rate", "1"]}, {"radiance": 2.0}, {"changed": "losses.py"}):
+                went_on.clear()
+                self.assertEqual((trained(**other), went_on), (other.get("steps", 3), [False]), other)
 
 
 class WithinColumns(unittest.TestCase):

@@ -87,7 +87,7 @@ class Renderer:
     def __call__(self, scene_file, pattern, frames, spp, seed, aovs):
         """Renders the frames that do not exist or that another tracer rendered, or of another scene. Those of other options are refused by `--resume`."""
         print(f"render {scene_file.stem}, {spp} spp, frames {frame_range(frames)}", flush=True)
-        keep_if_recipe(pattern.parent, tracer=self._tracer(scene_file), scene=scene_file.read_text(), aovs=aovs)
+        keep_if_recipe(pattern.parent, {"tracer": self._tracer(scene_file), "scene": scene_file.read_text(), "aovs": aovs})
         started = time.time()
         cost = self._render(scene_file, pattern, frames, spp, seed, aovs)
         rendered = sum(frame_path(pattern, frame).stat().st_mtime >= started for frame in frames)
