@@ -1,4 +1,4 @@
-"""What the benches of antialiasing, alignment, stereo and the tracer do themselves, and `bench` and `check`, with stand-ins for the programs."""
+"""What the benches of antialiasing, alignment, stereo and the tracer do themselves, and `bench`, `demo` and `check`, with stand-ins for the programs."""
 
 import contextlib
 import io
@@ -56,9 +56,12 @@ class Commands(InFolder):
         self.scripts = self.folder / "scripts"
         shutil.copytree(SCRIPTS, self.scripts, ignore=shutil.ignore_patterns("benches", "demo_parts"))
 
-    def said(self, script, *arguments):
+    def ran(self, script, *arguments):
         environment = os.environ | {"PATH": f"{self.folder}:{os.environ['PATH']}"}
-        return subprocess.run([self.scripts / script, *arguments], env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True).stderr
+        return subprocess.run([self.scripts / script, *arguments], env=environment, capture_output=True, text=True)
+
+    def said(self, script, *arguments):
+        return self.ran(script, *arguments).stderr
 
     def test_open_image_denoise_comes_with_pytorch(self):
         executable(self.scripts / "setup", 'echo "$@" >&2; exit 9')
@@ -66,6 +69,22 @@ class Commands(InFolder):
             plain = self.said("bench", bench).split()
             for option in (("--oidn", "weights"), ("--oidn=weights",)):
                 self.assertEqual(set(self.said("bench", bench, *option).split()) - set(plain), {"libopenblas0-pthread", "python3-torch"})
+
+    def test_options_are_listed_without_a_build(self):
+        executable(self.scripts / "setup", "")
+        executable(self.folder / "cmake", "echo built >&2; exit 1")
+        (self.scripts / "benches").symlink_to(SCRIPTS / "benches")
+        for part, option in (("align_accuracy", "-h"), ("quality", "--help"), ("report", "--help"), ("tracer", "-h"), ("judge", "--help")):
+            listed = self.ran("bench", part, option)
+            self.assertEqual((listed.returncode, listed.stderr), (0, ""), part)
+            self.assertIn(f"scripts/bench {part}", listed.stdout)
+            self.assertEqual(self.said("bench", part), "built\n")
+
+    def test_the_demo_refuses_what_it_does_not_know_before_it_installs(self):
+        executable(self.scripts / "setup", "echo installed >&2; exit 9")
+        for arguments in (("uses", "nonsense"), ("nonsense",), ("", "nonsense"), ("--help", "nonsense")):
+            refused = self.ran("demo", *arguments)
+            self.assertEqual((refused.returncode, "installed" in refused.stderr), (2, False), arguments)
 
     def test_check_tells_why_it_cannot_configure(self):
         executable(self.scripts / "setup", "")
