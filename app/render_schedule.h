@@ -14,8 +14,8 @@ std::set<int> frames_in(const std::vector<filter::Segment>& segments);
 /// Which frames are rendered for a filter, and in which order it takes them.
 class RenderSchedule {
  public:
-  /// `asked` are the frames to write, in ascending order, of a shot that has every `step`-th frame from any of
-  /// them on; `first` and `last` are the scene's. `filter` must outlive this.
+  /// `asked` are the frames to write, in ascending order, of a shot that has every `step`-th frame from any
+  /// of them on; `first` and `last` are the scene's. `filter` must outlive this.
   RenderSchedule(const FilterStage& filter, const std::vector<int>& asked, int step, int first, int last);
 
   /// The frames that may be rendered for the filter: those asked for and, if it has segments, those of the
