@@ -15,14 +15,15 @@ struct Measured {
 /// Mean over pixels and channels of (x-r)^2 / (r^2 + 0.01).
 Measured rel_mse(const Image& test, const Image& reference);
 
-/// Two independent references a, b: mean of (x-a)(x-b) / (((a+b)/2)^2 + 0.01), which the references' own
-/// noise does not bias. May be slightly negative for an image as good as the references.
+/// Two independent references a, b: mean of (x-a)(x-b) / (((a+b)/2)^2 + 0.01). A relative variance s^2 of
+/// each adds about 1.5 s^4, by the denominator, where one reference alone adds s^2. May be slightly negative
+/// for an image as good as the references.
 Measured rel_mse(const Image& test, const Image& reference_a, const Image& reference_b);
 
 /// relMSE of frame differences: (x_t - x_{t-1}) against (r_t - r_{t-1}), over (r_t^2 + r_{t-1}^2)/2 + 0.01.
 Measured temporal_error(const Image& test, const Image& test_before, const Image& reference,
                         const Image& reference_before);
-/// The same in the product form of two independent references.
+/// The same in the product form of two independent references, whose noise takes about 0.5 s^4.
 Measured temporal_error(const Image& test, const Image& test_before, const Image& reference_a,
                         const Image& reference_a_before, const Image& reference_b,
                         const Image& reference_b_before);

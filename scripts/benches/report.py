@@ -15,6 +15,7 @@ from pathlib import Path
 
 from benches.at_a_glance import at_a_glance
 from benches.markdown_report import within_columns, wrapped
+from benches.quality import reference_noise
 from benches.timed import timed
 from whole_file import write_whole
 
@@ -119,10 +120,12 @@ def scenes_part(becalm, *comparison):
 
 {preset_means(overview)}
 
-384x216, with every feature, variance and half-buffers; two references of 64 samples, whose noise is
-taken out. The network did not learn from these scenes, but two things were decided after looks at
+384x216, with every feature, variance and half-buffers; two references of 64 samples, of which
+products are taken. The network did not learn from these scenes, but two things were decided after looks at
 `penumbra`: affinities, and that single pixels are restored from 16 deviations on; and one after a
 look at `crossing`: that lost light returns to bright pixels.
+
+{reference_noise.note("build/quality", folder, PRESETS[::-1])}
 
 {overview}
 

@@ -15,6 +15,7 @@ import OpenImageIO as oiio
 from benches.frame_errors import rel_mse, temporal_error
 from benches.geometric_mean import geometric_mean
 from benches.made_of import content_hash, keep_if_same
+from benches.quality import reference_noise
 from benches.quality.cells import Cells, files_of, radiance
 from benches.quality.data import Data, MissingFrames, Renderer, frame_path
 from benches.quality.goals import seam_ratio
@@ -32,6 +33,14 @@ SHADED = np.s_[0:20, 0:20]      # no motion vectors, but the light changes from 
 FRAMES = range(1, 17)
 MEASURED = range(7, 11)
 SIGMA = 0.1
+
+
+def write_float(path, image):
+    path.parent.mkdir(parents=True, exist_ok=True)
+    height, width, channels = image.shape
+    buffer = oiio.ImageBuf(oiio.ImageSpec(width, height, channels, "float"))
+    buffer.set_pixels(oiio.ROI(), np.ascontiguousarray(image, np.float32))
+    buffer.write(str(path))
 
 
 def noisy(random, truth, sigma=SIGMA):
@@ -55,6 +64,30 @@ class FrameErrors(unittest.TestCase):
         for error, of_noise in ((rel_mse, 1.0), (temporal_error, 2.0)):
             self.assertAlmostEqual(error(a, b, truth), 0.0, delta=2e-5)
             self.assertAlmostEqual(error(a, a, truth), of_noise * sigma**2, delta=2e-5)
+
+
+class ReferenceNoise(unittest.TestCase):
+    def test_adds_to_errors_what_is_told(self):
+        random = np.random.default_rng(4)
+        variance = 0.04
+        a, b = (1 + np.sqrt(variance) * random.normal(size=(2, 2, 1000, 1000)) for _ in "ab")
+        self.assertAlmostEqual(reference_noise.relative_variance(a, b) / variance, 1, delta=0.1)
+        self.assertAlmostEqual(rel_mse(a, b, np.ones_like(a)) / (1.5 * variance**2), 1, delta=0.4)
+        self.assertAlmostEqual(temporal_error(a, b, np.ones_like(a)) / (-0.5 * variance**2), 1, delta=0.4)
+
+    def test_the_note_leaves_out_scenes_that_are_not_resolved(self):
+        random = np.random.default_rng(5)
+        with tempfile.TemporaryDirectory() as folder:
+            (Path(folder) / "cells").mkdir()
+            for scene, sigma, final in (("clean", 0.05, 0.25), ("rare", 0.6, 0.001)):
+                for name in "ab":
+                    write_float(Path(folder) / scene / name / "f.0007.exr", 1 + sigma * random.normal(size=(32, 32, 3)))
+                for variant, error in (("noisy", 1.0), ("final", final)):
+                    cell = {"scene": scene, "variant": variant, "recipe": {"measured": [7]}, "mean": {"relmse": error, "temporal": error / 2}}
+                    (Path(folder) / "cells" / f"{scene}.8.{variant}.json").write_text(json.dumps(cell))
+            text = reference_noise.note(folder, folder, ["final"]).replace("\n", " ")
+        self.assertIn("`clean` 0.0025", text)
+        self.assertIn("Errors of `rare` are not resolved by such references; without, the geometric means are `final` 1/4 and 1/4.", text)
 
 
 class KeptFrames(unittest.TestCase):
