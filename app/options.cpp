@@ -104,9 +104,8 @@ void apply(const RunningOptions& running, FilterOptions& filter) {
 void add_alpha_option(CLI::App& command, FilterOptions& options) {
   command
       .add_option("--alpha", options.alpha,
-                  "keep passes alpha on as it came; denoise merges it with the beauty's weights where it "
-                  "looks noisy, as under motion blur and depth of field; clean hair looks noisy too "
-                  "(default: keep)")
+                  "keep passes alpha on as it came; denoise smooths it where it looks noisy, as under motion "
+                  "blur and depth of field; clean hair looks noisy too (default: keep)")
       ->check(CLI::IsMember({"keep", "denoise"}))
       ->option_text("keep|denoise")
       ->group(more("Filter"));

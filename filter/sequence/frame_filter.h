@@ -26,8 +26,8 @@ class FrameFilter {
 /// Whether the history is also dropped where is_cut finds a cut, in addition to where the schedule says so.
 enum class FindCuts { no, yes };
 
-/// What becomes of alpha: passed on as it came, or merged with the beauty's weights where noisy_alpha marks
-/// it.
+/// What becomes of alpha: passed on as it came, or merged with the beauty's weights and then smoothed, by a
+/// preset that smooths, where noisy_alpha marks it.
 enum class Alpha { keep, denoise };
 
 struct SequenceOptions {

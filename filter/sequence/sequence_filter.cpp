@@ -45,12 +45,9 @@ struct Matte {
   std::vector<float> factors;
 };
 
-/// Replaces the alpha of `denoised` by what is output of it.
-Matte restore_matte(const NewFrame& frame, const FilterTask& task, Image& denoised) {
+/// Replaces the alpha of `denoised` by what is output of it: its own in the `noisy` pixels, else the frame's.
+Matte restore_matte(const NewFrame& frame, std::span<const std::uint8_t> noisy, Image& denoised) {
   const Image& beauty = frame.frame.image(Aov::beauty);
-  // Of clean hair, which may look noisy, no gap is given light without alpha.
-  const std::vector<std::uint8_t> noisy =
-      task.denoises_alpha ? noisy_alpha(beauty) : std::vector<std::uint8_t>(beauty.pixel_count());
   std::vector<std::uint8_t> empty = empty_pixels(beauty, noisy);
   std::vector<float> factors = spilled_light(beauty, empty, denoised);
   pass_on_alpha(beauty, noisy, denoised);
@@ -79,8 +76,9 @@ void return_spilled_light(const Matte& matte, const FilterTask& task, Frame& fra
 }
 
 /// Converts the estimate to a frame, with its additive AOVs and the diagnostics that are wanted.
+/// `noisy_edges`: the pixels whose alpha is denoised.
 Frame output_frame(const NewFrame& frame, const FilterTask& task, MergedFrame made, Accumulated accumulated,
-                   FrameReport& report) {
+                   std::span<const std::uint8_t> noisy_edges, FrameReport& report) {
   const AovSet& diagnostics = task.diagnostics;
   Frame result(frame.frame.number(), frame.frame.width(), frame.frame.height());
   const std::span<const float> stats = made.merged.stats.data();
@@ -88,7 +86,7 @@ Frame output_frame(const NewFrame& frame, const FilterTask& task, MergedFrame ma
   const std::span<const float> beauty = noisy.data();
   const std::span<float> color = made.merged.color.data();
   const std::span<float> variance = result.add(Aov::variance).data();
-  const Matte matte = restore_matte(frame, task, made.merged.color);
+  const Matte matte = restore_matte(frame, noisy_edges, made.merged.color);
   std::span<float> count;
   if (contains(diagnostics, Aov::sample_count)) count = result.add(Aov::sample_count).data();
   const auto width = static_cast<std::size_t>(noisy.width());
@@ -230,7 +228,7 @@ void SequenceFilter::State::build_with(gpu::Device& device, std::uint64_t memory
   merger.emplace(device, task, of_merger);
   const std::uint64_t left =
       memory_limit - merger->memory().device.own;  // the others keep nothing between runs
-  if (task.smooths_albedo()) albedo_smoother.emplace(device, task, left);
+  if (task.smooths_albedo() || task.smooths_alpha()) albedo_smoother.emplace(device, task, left);
   if (task.smooths()) {
     FilterTask task_of_frame = task;
     if (task.smooths_merged()) task_of_frame.additive = 0;
@@ -277,7 +275,7 @@ std::optional<SequenceFilter::Merged> SequenceFilter::begin(const Step& step, co
     if (has_known_cells(signature)) state_->before = std::move(signature);
   }
   if (contains(task.used, Aov::motion)) new_frame.motion = state_->motion(step, frame);
-  if (state_->albedo_smoother) new_frame.smoothed_albedo = state_->smoothed_albedo(step, new_frame, report);
+  if (task.smooths_albedo()) new_frame.smoothed_albedo = state_->smoothed_albedo(step, new_frame, report);
   if (state_->smoother) new_frame.smoothed = state_->smoothed(step, new_frame, report);
   if (step.wanted && step.direction == Direction::forward) {
     std::optional<Merged> made(std::in_place, Merged{std::move(new_frame), {}});
@@ -388,7 +386,14 @@ Frame SequenceFilter::finish(Merged& made, FrameReport& report) {
   // MergedSmoother has mixed what it made.
   if (state_->mixer && !task.smooths_merged()) state_->mixer->mix(frame, merged.merged, report);
   if (task.smooths()) restore_energy(frame, task, merged.merged);
-  return output_frame(frame, task, std::move(merged), std::move(noisy), report);
+  // Of clean hair, which may look noisy, no gap is given light without alpha unless this is asked for.
+  std::vector<std::uint8_t> noisy_edges(frame.finite.size());
+  if (task.denoises_alpha) {
+    noisy_edges = noisy_alpha(frame.frame.image(Aov::beauty));
+    if (task.smooths_alpha() && std::ranges::find(noisy_edges, 1) != noisy_edges.end())
+      state_->albedo_smoother->smooth_alpha(frame, merged.merged.color, report);
+  }
+  return output_frame(frame, task, std::move(merged), std::move(noisy), noisy_edges, report);
 }
 
 void SequenceFilter::State::reset() {

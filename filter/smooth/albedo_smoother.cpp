@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "filter/for_rows.h"
@@ -26,27 +28,44 @@ FilterTask task_of_albedo(const FilterTask& task) {
 AlbedoSmoother::AlbedoSmoother(gpu::Device& device, const FilterTask& task, std::uint64_t memory_limit)
     : task_(task_of_albedo(task)), smoother_(device, task_, memory_limit) {}
 
-Image AlbedoSmoother::smooth(const NewFrame& frame, FrameReport& report) {
+Image AlbedoSmoother::smooth(const NewFrame& frame, Image albedo, FrameReport& report) {
   Frame still(frame.frame.number(), frame.frame.width(), frame.frame.height());
-  Image& beauty = still.add(Aov::beauty);
-  pack_albedo(frame.frame.image(Aov::albedo), bounds(task_.full), beauty.data());
+  Image& beauty = still.image(Aov::beauty) = std::move(albedo);
   for (const Aov aov : kFeatures) {
     if (contains(task_.used, aov)) still.image(aov) = frame.frame.image(aov);
   }
-  const Estimate smoothed =
+  Estimate smoothed =
       smoother_.smooth({.frame = still,
                         .finite = std::vector<std::uint8_t>(beauty.pixel_count(), std::uint8_t{1}),
                         .exposure = 1.0f,
                         .usual_depth = frame.usual_depth},
                        report);
-  Image albedo(beauty.width(), beauty.height(), 3);
+  return std::move(smoothed.color);
+}
+
+Image AlbedoSmoother::smooth(const NewFrame& frame, FrameReport& report) {
+  Image packed(task_.full.width, task_.full.height, 4);
+  pack_albedo(frame.frame.image(Aov::albedo), bounds(task_.full), packed.data());
+  const Image smoothed = smooth(frame, std::move(packed), report);
+  Image albedo(smoothed.width(), smoothed.height(), 3);
   const auto width = static_cast<std::size_t>(albedo.width());
   for_rows(albedo.height(), [&](int begin, int end) {
     for (std::size_t i = begin * width; i < end * width; ++i) {
-      std::copy_n(smoothed.color.data().begin() + 4 * i, 3, albedo.data().begin() + 3 * i);
+      std::copy_n(smoothed.data().begin() + 4 * i, 3, albedo.data().begin() + 3 * i);
     }
   });
   return albedo;
+}
+
+void AlbedoSmoother::smooth_alpha(const NewFrame& frame, Image& merged, FrameReport& report) {
+  Image alphas(merged.width(), merged.height(), 4);
+  for (std::size_t i = 0; i < merged.pixel_count(); ++i)
+    std::fill_n(alphas.data().begin() + 4 * i, 3, std::clamp(merged.data()[4 * i + 3], 0.0f, 1.0f));
+  const Image smoothed = smooth(frame, std::move(alphas), report);
+  for (std::size_t i = 0; i < merged.pixel_count(); ++i) {
+    const std::span<const float> rgb = smoothed.data().subspan(4 * i, 3);
+    merged.data()[4 * i + 3] = std::clamp((rgb[0] + rgb[1] + rgb[2]) / 3.0f, 0.0f, 1.0f);
+  }
 }
 
 }  // namespace becalm::filter

@@ -11,7 +11,7 @@ namespace becalm::filter {
 
 /// Smooths the albedo of a frame by a small network of its own. Where a surface is glossy, or blurred by a
 /// lens or by motion, renderers write the albedo as noisy as the radiance, and dividing by it adds that
-/// noise.
+/// noise. Noisy alpha is like the albedo of a white surface.
 class AlbedoSmoother {
  public:
   /// As FrameSmoother's constructor.
@@ -19,9 +19,15 @@ class AlbedoSmoother {
 
   /// The smoothed albedo, RGB in [0,1]. A non-finite pixel counts as pack_albedo has it.
   Image smooth(const NewFrame& frame, FrameReport& report);
+  /// Replaces the alpha of `merged`, an RGBA image made of the frame and others, by the smoothed one, in
+  /// [0,1].
+  void smooth_alpha(const NewFrame& frame, Image& merged, FrameReport& report);
   FilterMemory memory() const { return smoother_.memory(); }
 
  private:
+  /// Smooths `albedo`, RGBA in [0,1], with the frame's normal and depth.
+  Image smooth(const NewFrame& frame, Image albedo, FrameReport& report);
+
   FilterTask task_;
   FrameSmoother smoother_;
 };
