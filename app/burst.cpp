@@ -9,6 +9,8 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -198,21 +200,36 @@ class BurstJob {
       noise_ = noise_of(reference_, mosaic_);
       return true;
     }
-    double best = 0.0;
+    // Frames of one ISO have one noise; were it fitted to each, errors of the fits would rank them.
+    std::map<double, std::vector<filter::NoiseBlock>> blocks;
+    std::vector<filter::Contrast> contrasts;
     for (std::size_t frame = 0; frame < frames_->count(); ++frame) {
       if (stop_requested()) return false;
       progress_->update(static_cast<int>(frame) + 1, 0.0);
-      Mosaic mosaic = read(frame);
-      const NoiseModel noise = noise_of(frame, mosaic);
+      const Mosaic mosaic = read(frame);
+      contrasts.push_back(filter::contrast_of(mosaic));
+      const ProfileScope scope(profile_, "fit noise");
+      if (!told_noise(frame))
+        std::ranges::move(filter::noise_blocks(mosaic, kSaturated),
+                          std::back_inserter(blocks[frames_->info(frame).iso]));
+    }
+    std::map<double, NoiseModel> fitted;
+    for (auto& [iso, of_iso] : blocks) fitted[iso] = filter::fit_noise(std::move(of_iso));
+    double best = 0.0;
+    for (std::size_t frame = 0; frame < frames_->count(); ++frame) {
+      const std::optional<NoiseModel> told = told_noise(frame);
       const double scale = 1.0 / frames_->exposure(frame, 0);
-      const double sharp = filter::sharpness(mosaic, noise) * scale * scale;
+      const double sharp =
+          scale * scale *
+          filter::sharpness(contrasts[frame], told ? *told : fitted[frames_->info(frame).iso],
+                            told ? filter::kToldError : filter::kFitError);
       progress_->detail(fmt::format("{}: sharpness {:.3g}", frames_->path(frame), sharp));
       if (frame > 0 && sharp <= best) continue;
       best = sharp;
       reference_ = frame;
-      noise_ = noise;
-      mosaic_ = std::move(mosaic);
     }
+    mosaic_ = read(reference_);
+    noise_ = noise_of(reference_, mosaic_);
     return true;
   }
 
@@ -221,10 +238,13 @@ class BurstJob {
     return frames_->read(frame);
   }
 
+  std::optional<NoiseModel> told_noise(std::size_t frame) const {
+    return given_noise_ ? given_noise_ : frames_->info(frame).noise;
+  }
+
   /// In the frame's own exposure.
   NoiseModel noise_of(std::size_t frame, const Mosaic& mosaic) {
-    if (given_noise_) return *given_noise_;
-    if (frames_->info(frame).noise) return *frames_->info(frame).noise;
+    if (const std::optional<NoiseModel> told = told_noise(frame)) return *told;
     const ProfileScope scope(profile_, "fit noise");
     const NoiseModel noise = filter::fit_noise(mosaic, kSaturated);
     if (noise.a + noise.b > 0.0) return noise;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 #include "filter/for_rows.h"
@@ -17,12 +18,6 @@ constexpr double kFlatShare = 0.1;
 constexpr std::size_t kBins = 24;
 constexpr std::size_t kLeastInBin = 20;
 
-struct BlockStatistics {
-  double mean = 0.0;
-  double variance = 0.0;
-  int count = 0;  ///< of second differences
-};
-
 /// The distance between equal phases of a pattern of two, or the next sample in a 2x2 square of one colour.
 int step_of(const CfaPattern& cfa) {
   return cfa.period == 2 ? 2 : 1;
@@ -30,7 +25,7 @@ int step_of(const CfaPattern& cfa) {
 
 /// Second differences of four samples of one colour in a square. The squares of Bayer's pattern do not
 /// overlap; X-Trans has squares of green.
-BlockStatistics statistics_of(const Mosaic& mosaic, int left, int top, float saturated) {
+NoiseBlock statistics_of(const Mosaic& mosaic, int left, int top, float saturated) {
   const Image& samples = mosaic.samples;
   const int step = step_of(mosaic.cfa);
   double sum = 0.0, squares = 0.0;
@@ -56,24 +51,6 @@ BlockStatistics statistics_of(const Mosaic& mosaic, int left, int top, float sat
   return {.mean = sum / count, .variance = squares / count, .count = count};
 }
 
-/// Colours have different means in Bayer's pattern, whose four phases share one block; the model is linear,
-/// so that the block's mean variance belongs to its mean brightness.
-std::vector<BlockStatistics> blocks_of(const Mosaic& mosaic, float saturated) {
-  const int rows = mosaic.samples.height() / kBlock;
-  const int columns = mosaic.samples.width() / kBlock;
-  std::vector<BlockStatistics> blocks(static_cast<std::size_t>(rows) * columns);
-  for_rows(rows, [&](int begin, int end) {
-    for (int row = begin; row < end; ++row) {
-      for (int column = 0; column < columns; ++column) {
-        blocks[static_cast<std::size_t>(row) * columns + column] =
-            statistics_of(mosaic, column * kBlock, row * kBlock, saturated);
-      }
-    }
-  });
-  std::erase_if(blocks, [](const BlockStatistics& block) { return block.count == 0; });
-  return blocks;
-}
-
 /// One point of the curve of variance over brightness.
 struct Point {
   double mean;
@@ -94,8 +71,8 @@ double lowest_share_mean(int count) {
   return sum / std::size(quantiles);
 }
 
-std::vector<Point> curve_of(std::vector<BlockStatistics> blocks) {
-  std::ranges::sort(blocks, {}, &BlockStatistics::mean);
+std::vector<Point> curve_of(std::vector<NoiseBlock> blocks) {
+  std::ranges::sort(blocks, {}, &NoiseBlock::mean);
   const std::size_t bins = std::clamp<std::size_t>(blocks.size() / kLeastInBin, 1, kBins);
   std::vector<Point> points;
   for (std::size_t bin = 0; bin < bins; ++bin) {
@@ -177,28 +154,58 @@ NoiseModel refined(const std::vector<Point>& points, const NoiseModel& line) {
 
 }  // namespace
 
-NoiseModel fit_noise(const Mosaic& mosaic, float saturated) {
-  const std::vector<BlockStatistics> blocks = blocks_of(mosaic, saturated);
+/// Colours have different means in Bayer's pattern, whose four phases share one block; the model is linear,
+/// so that the block's mean variance belongs to its mean brightness.
+std::vector<NoiseBlock> noise_blocks(const Mosaic& mosaic, float saturated) {
+  const int rows = mosaic.samples.height() / kBlock;
+  const int columns = mosaic.samples.width() / kBlock;
+  std::vector<NoiseBlock> blocks(static_cast<std::size_t>(rows) * columns);
+  for_rows(rows, [&](int begin, int end) {
+    for (int row = begin; row < end; ++row) {
+      for (int column = 0; column < columns; ++column) {
+        blocks[static_cast<std::size_t>(row) * columns + column] =
+            statistics_of(mosaic, column * kBlock, row * kBlock, saturated);
+      }
+    }
+  });
+  std::erase_if(blocks, [](const NoiseBlock& block) { return block.count == 0; });
+  return blocks;
+}
+
+NoiseModel fit_noise(std::vector<NoiseBlock> blocks) {
   if (blocks.empty()) return {};
-  const std::vector<Point> points = curve_of(blocks);
+  const std::vector<Point> points = curve_of(std::move(blocks));
   return refined(points, best_line(points));
 }
 
-double sharpness(const Mosaic& mosaic, const NoiseModel& noise) {
+NoiseModel fit_noise(const Mosaic& mosaic, float saturated) {
+  return fit_noise(noise_blocks(mosaic, saturated));
+}
+
+Contrast contrast_of(const Mosaic& mosaic) {
   const Image& samples = mosaic.samples;
   const int step = mosaic.cfa.period;
-  const double sum = sum_of_rows<double>(samples.height(), [&](int y) {
-    double of_row = 0.0;
-    if (y + step >= samples.height()) return of_row;
-    for (int x = 0; x + step < samples.width(); ++x) {
-      const double here = samples.at(x, y, 0);
-      const double dx = samples.at(x + step, y, 0) - here;
-      const double dy = samples.at(x, y + step, 0) - here;
-      of_row += dx * dx + dy * dy - 4.0 * (noise.a * std::max(here, 0.0) + noise.b);
-    }
-    return of_row;
-  });
-  return sum / static_cast<double>(samples.pixel_count());
+  const int columns = samples.width() - step, rows = samples.height() - step;
+  if (columns <= 0 || rows <= 0) return {};
+  const auto mean_of = [&](const auto& value) {
+    const double sum = sum_of_rows<double>(rows, [&](int y) {
+      double of_row = 0.0;
+      for (int x = 0; x < columns; ++x) of_row += value(x, y);
+      return of_row;
+    });
+    return sum / (static_cast<double>(columns) * rows);
+  };
+  return {.squared_differences = mean_of([&](int x, int y) {
+            const double dx = samples.at(x + step, y, 0) - samples.at(x, y, 0);
+            const double dy = samples.at(x, y + step, 0) - samples.at(x, y, 0);
+            return dx * dx + dy * dy;
+          }),
+          .signal = mean_of([&](int x, int y) { return std::max(samples.at(x, y, 0), 0.0f); })};
+}
+
+double sharpness(const Contrast& contrast, const NoiseModel& noise, double noise_error) {
+  // Two differences of two samples each.
+  return contrast.squared_differences - 4.0 * (1.0 + noise_error) * (noise.a * contrast.signal + noise.b);
 }
 
 }  // namespace becalm::filter

@@ -172,6 +172,31 @@ TEST_F(Burst, TakesTheNoiseThatItIsTold) {
   EXPECT_NE(given.err.find("2.000e-04,3.000e-05 (as given)"), std::string::npos) << given.err;
 }
 
+TEST_F(Burst, ADarkFrameIsNoReferenceForItsNoise) {
+  for (int first = 1; first <= 9; first += 4) {
+    std::vector<std::string> inputs;
+    for (int i = 0; i < 4; ++i) {
+      raw::Info info = camera({}, 192, 144);
+      const bool dark = i == 3;
+      if (dark) info.shutter_s /= 4.0;
+      Mosaic mosaic = grey(info, first + i, dark ? 0.25 : 1.0);
+      if (dark) {  // blurred: without waves
+        const Mosaic even = grey(info, first + i, 0.0);
+        for (std::size_t k = 0; k < mosaic.samples.pixel_count(); ++k) {
+          const auto x = static_cast<int>(k % 192), y = static_cast<int>(k / 192);
+          mosaic.samples.data()[k] =
+              even.samples.data()[k] + 0.05f / info.white_balance[info.cfa.color(x, y)];
+        }
+      }
+      inputs.push_back(folder_ / ("in" + std::to_string(first + i) + ".dng"));
+      raw::write_dng(inputs.back(), mosaic, info);
+    }
+    const std::string output = folder_ / ("out" + std::to_string(first) + ".exr");
+    becalm_done(command(inputs, output, {"--mosaic", "-q"}));
+    EXPECT_EQ(io::read_attribute(output, "becalm:burst").find("reference=4"), std::string::npos) << first;
+  }
+}
+
 TEST_F(Burst, ASignalLeavesNothingHalfWritten) {
   std::vector<std::string> inputs;
   for (int number = 1; number <= 16; ++number) inputs.push_back(write(number, camera({}, 96, 72)));

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <random>
+#include <vector>
 
 #include "filter/burst/global_motion.h"
 #include "filter/burst/noise_fit.h"
@@ -33,7 +35,7 @@ TEST(NoiseFit, FindsTheModel) {
       const NoiseModel found = fit_noise(mosaic, 0.98f);
       for (const double signal : {0.05, 0.3, 0.7}) {
         const double expected = noise.a * signal + noise.b;
-        EXPECT_NEAR((found.a * signal + found.b) / expected, 1.0, 0.2)
+        EXPECT_NEAR((found.a * signal + found.b) / expected, 1.0, kFitError)
             << cfa.period << ": " << noise.a << ' ' << noise.b << " at " << signal;
       }
     }
@@ -82,6 +84,10 @@ TEST(GlobalMotionTest, FindsATurnBesideAThingThatMoves) {
   EXPECT_EQ(none.offset(3, 4, 30, 30), Imath::V2d(0.0, 0.0)) << "without texture nothing moves";
 }
 
+double sharpness(const Mosaic& mosaic, const NoiseModel& noise) {
+  return sharpness(contrast_of(mosaic), noise, 0.0);
+}
+
 TEST(Sharpness, FallsWithBlur) {
   const CfaPattern cfa = bayer(0);
   const Image sharp = photographed(cfa, 96, 96, {.shift = {}, .noise = 1.0, .seed = 1});
@@ -104,6 +110,75 @@ TEST(Sharpness, OwesNothingToTheNoise) {
       return sharpness({picture, cfa}, {.a = noise * noise * kNoise.a, .b = noise * noise * kNoise.b});
     };
     EXPECT_NEAR(of_noise(3.0) / of_noise(1.0), 1.0, 0.03) << cfa.period;
+  }
+}
+
+/// A noisy picture of fine waves, blurred `blur` times.
+Mosaic waves(int blur, double exposure, double a, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal;
+  Image light(192, 144, 1);
+  for (int y = 0; y < 144; ++y) {
+    for (int x = 0; x < 192; ++x) {
+      light.at(x, y, 0) =
+          static_cast<float>(0.24 + 0.1 * std::sin(x / 4.1) * std::cos(y / 5.3) +
+                             0.08 * std::sin((x + y) / 7.0) + 0.05 * std::cos(x / 2.3 - y / 3.1));
+    }
+  }
+  for (; blur > 0; --blur) {
+    const Image sharper = light;
+    for (int y = 0; y < 144; ++y) {
+      for (int x = 0; x < 192; ++x) {
+        light.at(x, y, 0) = (sharper.at(x, y, 0) + sharper.at(std::max(x - 2, 0), y, 0) +
+                             sharper.at(std::min(x + 2, 191), y, 0) + sharper.at(x, std::max(y - 1, 0), 0) +
+                             sharper.at(x, std::min(y + 1, 143), 0)) /
+                            5.0f;
+      }
+    }
+  }
+  Mosaic mosaic{Image(192, 144, 1), bayer(0)};
+  for (std::size_t i = 0; i < light.pixel_count(); ++i) {
+    const double value = exposure * light.data()[i];
+    mosaic.samples.data()[i] = static_cast<float>(value + std::sqrt(a * value + 1e-6) * normal(random));
+  }
+  return mosaic;
+}
+
+struct Taken {
+  int blur;
+  double exposure = 1.0;
+};
+
+/// The sharpest of frames of one ISO whose noise is fitted.
+std::size_t sharpest(const std::vector<Taken>& burst, double a, unsigned seed) {
+  std::vector<NoiseBlock> blocks;
+  std::vector<Contrast> contrasts;
+  for (const Taken& taken : burst) {
+    const auto number = static_cast<unsigned>(contrasts.size());
+    const Mosaic mosaic = waves(taken.blur, taken.exposure, a, 10 * seed + number);
+    contrasts.push_back(contrast_of(mosaic));
+    std::ranges::move(noise_blocks(mosaic, 0.98f), std::back_inserter(blocks));
+  }
+  const NoiseModel noise = fit_noise(blocks);
+  std::vector<double> sharp;
+  for (std::size_t i = 0; i < burst.size(); ++i)
+    sharp.push_back(sharpness(contrasts[i], noise, kFitError) / std::pow(burst[i].exposure, 2.0));
+  return static_cast<std::size_t>(std::ranges::max_element(sharp) - sharp.begin());
+}
+
+TEST(Sharpness, RanksNoDarkFrameByItsNoise) {
+  for (unsigned seed = 0; seed < 8; ++seed) {
+    EXPECT_NE(sharpest({{0}, {0}, {0}, {2, 0.25}}, 2e-3, seed), 3u) << seed;
+    EXPECT_NE(sharpest({{0}, {0}, {0}, {0, 0.25}}, 2e-3, seed), 3u) << "equally sharp, but noisier: " << seed;
+    EXPECT_EQ(sharpest({{2}, {2}, {2}, {0, 0.25}}, 2e-4, seed), 3u) << "alone sharp, and not noisy: " << seed;
+  }
+}
+
+TEST(Sharpness, RanksEqualExposuresWhateverTheFitsErr) {
+  for (unsigned seed = 0; seed < 8; ++seed) {
+    for (const double a : {2e-4, 2e-3, 8e-3}) {
+      EXPECT_EQ(sharpest({{1}, {1}, {0}, {2}}, a, seed), 2u) << a << ' ' << seed;
+    }
   }
 }
 
