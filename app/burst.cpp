@@ -266,7 +266,9 @@ class BurstJob {
     const double exposure = frames_->exposure(frame, reference_);
     // Frames of one ISO have one noise.
     const bool same = frames_->info(frame).iso == frames_->info(reference_).iso;
-    NoiseModel noise = same ? noise_ : noise_of(frame, mosaic);
+    NoiseModel noise = same ? noise_
+                            : filter::with_least_read_noise(noise_of(frame, mosaic), noise_,
+                                                            frames_->iso_ratio(frame, reference_));
     if (exposure != 1.0) {
       progress_->note(fmt::format("{}: {}, scaled to the reference's {}", frames_->path(frame),
                                   describe_exposure(frames_->info(frame)),

@@ -28,6 +28,11 @@ std::string size(const raw::Info& info) {
   return fmt::format("{}x{} px", info.width, info.height);
 }
 
+/// 1 where a file does not tell one of them.
+double known_ratio(double a, double b) {
+  return a > 0.0 && b > 0.0 ? a / b : 1.0;
+}
+
 }  // namespace
 
 BurstFrames::BurstFrames(std::vector<std::string> paths) : paths_(std::move(paths)) {
@@ -78,9 +83,12 @@ Mosaic BurstFrames::read(std::size_t frame) const {
 double BurstFrames::exposure(std::size_t frame, std::size_t reference) const {
   const raw::Info& a = infos_[frame];
   const raw::Info& b = infos_[reference];
-  const auto ratio = [](double x, double y) { return x > 0.0 && y > 0.0 ? x / y : 1.0; };
-  const double f_number = ratio(b.f_number, a.f_number);
-  return ratio(a.shutter_s, b.shutter_s) * ratio(a.iso, b.iso) * f_number * f_number;
+  const double f_number = known_ratio(b.f_number, a.f_number);
+  return known_ratio(a.shutter_s, b.shutter_s) * iso_ratio(frame, reference) * f_number * f_number;
+}
+
+double BurstFrames::iso_ratio(std::size_t frame, std::size_t reference) const {
+  return known_ratio(infos_[frame].iso, infos_[reference].iso);
 }
 
 std::string describe(const CfaPattern& cfa) {

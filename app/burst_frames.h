@@ -26,6 +26,8 @@ class BurstFrames {
   /// How many times more light counts in a frame than in the reference, by shutter, ISO and aperture; what
   /// one of the files does not tell counts as equal.
   double exposure(std::size_t frame, std::size_t reference) const;
+  /// 1 where one of the files does not tell its ISO.
+  double iso_ratio(std::size_t frame, std::size_t reference) const;
 
  private:
   void check(std::size_t frame) const;

@@ -152,6 +152,13 @@ NoiseModel refined(const std::vector<Point>& points, const NoiseModel& line) {
   return next.a < 0.0 || next.b < 0.0 ? line : next;
 }
 
+/// The line's variance at the darkest point; the point's own where the line tells 0, which no noise has.
+double variance_of_darkest(const std::vector<Point>& points, const NoiseModel& line) {
+  const Point& darkest = points.front();
+  const double of_line = line.a * std::max(darkest.mean, 0.0) + line.b;
+  return of_line > 0.0 ? of_line : darkest.variance;
+}
+
 }  // namespace
 
 /// Colours have different means in Bayer's pattern, whose four phases share one block; the model is linear,
@@ -175,11 +182,18 @@ std::vector<NoiseBlock> noise_blocks(const Mosaic& mosaic, float saturated) {
 NoiseModel fit_noise(std::vector<NoiseBlock> blocks) {
   if (blocks.empty()) return {};
   const std::vector<Point> points = curve_of(std::move(blocks));
-  return refined(points, best_line(points));
+  NoiseModel noise = refined(points, best_line(points));
+  if (noise.a + noise.b > 0.0) noise.b = std::max(noise.b, kFitError * variance_of_darkest(points, noise));
+  return noise;
 }
 
 NoiseModel fit_noise(const Mosaic& mosaic, float saturated) {
   return fit_noise(noise_blocks(mosaic, saturated));
+}
+
+NoiseModel with_least_read_noise(NoiseModel noise, const NoiseModel& reference, double iso_ratio) {
+  noise.b = std::max(noise.b, reference.b * std::min(1.0, iso_ratio * iso_ratio));
+  return noise;
 }
 
 Contrast contrast_of(const Mosaic& mosaic) {

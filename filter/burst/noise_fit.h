@@ -13,7 +13,8 @@ inline constexpr double kToldError = 0.05;
 
 /// Fits the noise model to one mosaic: the variance of second differences of 2x2 samples of one colour, which
 /// even slopes leave at 0, in the flattest of small blocks of every brightness. Saturated samples take no
-/// part. Where nothing is flat, texture counts as noise. Zero if there is no block
+/// part. Where nothing is flat, texture counts as noise. Nothing is seen below the darkest blocks: `b` is at
+/// least the share kFitError of their variance, or noise at black could be 0. Zero if there is no block
 /// without saturated samples.
 NoiseModel fit_noise(const Mosaic& mosaic, float saturated);
 
@@ -26,6 +27,11 @@ struct NoiseBlock {
 std::vector<NoiseBlock> noise_blocks(const Mosaic& mosaic, float saturated);
 /// The same fit to blocks of any number of mosaics that have one noise.
 NoiseModel fit_noise(std::vector<NoiseBlock> blocks);
+
+/// The model of a frame at `iso_ratio` times the reference's ISO, with the least read noise that the
+/// reference's allows: as ISO rises, the read noise in a sensor's numbers does not fall, and as it falls, by
+/// no more than the gain. A frame whose model has less would outweigh all others at black.
+NoiseModel with_least_read_noise(NoiseModel noise, const NoiseModel& reference, double iso_ratio);
 
 /// Means over a mosaic, of neighbouring samples of one colour.
 struct Contrast {

@@ -197,6 +197,37 @@ TEST_F(Burst, ADarkFrameIsNoReferenceForItsNoise) {
   }
 }
 
+TEST_F(Burst, AModelWithoutReadNoiseDoesNotOutweighTheOthers) {
+  constexpr int left = 60, right = 100, top = 40, bottom = 70;
+  const double of_read = 6e-5, of_light = 2e-3;
+  std::vector<std::string> inputs;
+  for (const int gain : {1, 2}) {
+    raw::Info info = camera({}, 192, 144);
+    info.iso *= gain;
+    info.noise = NoiseModel{.a = of_light * gain, .b = gain == 1 ? of_read : 0.0};
+    std::mt19937 random(static_cast<unsigned>(gain));
+    std::normal_distribution<double> normal;
+    Mosaic mosaic{Image(info.width, info.height, 1), info.cfa};
+    for (int y = 0; y < info.height; ++y) {
+      for (int x = 0; x < info.width; ++x) {
+        const bool black = x >= left && x < right && y >= top && y < bottom;
+        const double light = black ? 0.0 : 0.07 + 0.03 * std::sin(0.2 * x) * std::cos(0.25 * y);
+        const double noise = std::sqrt(of_light * light + of_read) * normal(random);
+        mosaic.samples.at(x, y, 0) = static_cast<float>(gain * (light + noise));
+      }
+    }
+    inputs.push_back(folder_ / ("in" + std::to_string(gain) + ".dng"));
+    raw::write_dng(inputs.back(), mosaic, info);
+  }
+  const std::string output = folder_ / "out.exr";
+  becalm_done(command(inputs, output, {"--mosaic", "--reference", "first", "-q"}));
+  const std::string told = io::read_attribute(output, "becalm:burst");
+  const double weight = std::stod(told.substr(told.find("weight=") + 7));
+  EXPECT_GT(weight, 1.0);
+  EXPECT_LT(1.0 / std::sqrt(weight), 2.0 * std::sqrt(0.5)) << "two frames of equal noise: " << told;
+  EXPECT_GT(1.0 / std::sqrt(weight), 0.5 * std::sqrt(0.5)) << "two frames of equal noise: " << told;
+}
+
 TEST_F(Burst, ASignalLeavesNothingHalfWritten) {
   std::vector<std::string> inputs;
   for (int number = 1; number <= 16; ++number) inputs.push_back(write(number, camera({}, 96, 72)));

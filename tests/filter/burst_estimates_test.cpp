@@ -42,6 +42,33 @@ TEST(NoiseFit, FindsTheModel) {
   }
 }
 
+TEST(NoiseFit, LeavesNoiseAtBlack) {
+  for (const bool has_black : {false, true}) {
+    for (unsigned seed = 0; seed < 8; ++seed) {
+      std::mt19937 random(seed);
+      std::normal_distribution<double> normal;
+      Mosaic mosaic{Image(192, 144, 1), bayer(0)};
+      for (int y = 0; y < 144; ++y) {
+        for (int x = 0; x < 192; ++x) {
+          const double light = has_black && x < 48 && y < 48 ? 0.0 : 0.05 + 0.3 * x / 192.0;
+          mosaic.samples.at(x, y, 0) =
+              static_cast<float>(light + std::sqrt(4e-3 * light + 1e-6) * normal(random));
+        }
+      }
+      const NoiseModel found = fit_noise(mosaic, 0.98f);
+      EXPECT_GT(found.b, has_black ? 1e-7 : 0.1 * 4e-3 * 0.05) << seed;
+      EXPECT_LT(found.b, 4e-3 * 0.05) << seed;
+    }
+  }
+}
+
+TEST(NoiseFit, ReadNoiseOfOtherIsosIsOfOneSensor) {
+  const NoiseModel reference{.a = 2e-3, .b = 6e-5};
+  EXPECT_EQ(with_least_read_noise({.a = 4e-3, .b = 0.0}, reference, 2.0).b, 6e-5);
+  EXPECT_EQ(with_least_read_noise({.a = 1e-3, .b = 0.0}, reference, 0.5).b, 1.5e-5);
+  EXPECT_EQ(with_least_read_noise({.a = 4e-3, .b = 1e-4}, reference, 2.0).b, 1e-4) << "more is kept";
+}
+
 TEST(NoiseFit, SaysNothingOfNothing) {
   const NoiseModel found = fit_noise({Image(48, 48, 1, 1.0f), bayer(0)}, 0.98f);
   EXPECT_EQ(found.a + found.b, 0.0) << "all saturated";
