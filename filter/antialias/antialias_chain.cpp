@@ -148,6 +148,33 @@ void AntialiasChain::add_reprojection(const AntialiasTask& task, ImageId reconst
       .read_write("color", warped.color)
       .read_write("stats", warped.stats)
       .dispatch(task.full);
+  if (task.settings.accumulate == Accumulate::variance) add_light(task, reconstructed);
+}
+
+void AntialiasChain::add_light(const AntialiasTask& task, ImageId reconstructed) {
+  const auto tiles = [](int side) { return (side + params::kTile - 1) / params::kTile; };
+  const gpu::Extent extent{tiles(task.full.width), tiles(task.full.height)};
+  const ImageId of_frame = chain.image("light.frame", Format::f32x4, extent);
+  const ImageId of_history = chain.image("light.history", Format::f32x4, extent);
+  const ImageId light = chain.image("light", Format::f32x4, extent);
+  chain.pass("antialias/tile_light")
+      .read("color", reconstructed, gpu::anywhere())
+      .read("variance", variance_, gpu::anywhere())
+      .read("warped_color", warped.color, gpu::anywhere())
+      .read("warped_stats", warped.stats, gpu::anywhere())
+      .write("of_frame", of_frame)
+      .write("of_history", of_history)
+      .dispatch(extent);
+  chain.pass("antialias/light_ratio")
+      .read("of_frame", of_frame, gpu::anywhere())
+      .read("of_history", of_history, gpu::anywhere())
+      .write("light", light)
+      .dispatch(extent);
+  chain.pass("antialias/follow_light")
+      .read("light", light, gpu::anywhere())
+      .read_write("color", warped.color)
+      .read_write("stats", warped.stats)
+      .dispatch(task.full);
 }
 
 void AntialiasChain::add_accumulation(const AntialiasTask& task, ImageId reconstructed) {

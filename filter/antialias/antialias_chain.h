@@ -82,6 +82,7 @@ struct AntialiasChain {
   gpu::ImageId add_motion(const AntialiasTask& task);
   Alignment add_search(const AntialiasTask& task, gpu::ImageId reconstructed);
   void add_reprojection(const AntialiasTask& task, gpu::ImageId reconstructed);
+  void add_light(const AntialiasTask& task, gpu::ImageId reconstructed);
   void add_accumulation(const AntialiasTask& task, gpu::ImageId reconstructed);
 
   gpu::ImageId variance_;                 ///< f32x2: Reconstructed::variance

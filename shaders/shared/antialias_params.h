@@ -6,6 +6,9 @@
 namespace becalm::filter::params {
 #endif
 
+/// Side in pixels of the tiles whose light antialias/tile_light sums.
+const int kTile = 8;
+
 /// antialias/accumulate. `edge_*` is how far the first pixel's edge lies beyond that of the residual's, in
 /// pixels.
 struct AccumulateParams {

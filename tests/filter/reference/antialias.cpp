@@ -17,6 +17,9 @@ using filter::Rectify;
 /// That a history counts as.
 constexpr double kLongestHistory = 64.0;
 
+/// Of the tiles whose light is compared, in pixels.
+constexpr int kTileSide = 8;
+
 Rgb operator-(const Rgb& a, const Rgb& b) {
   return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
 }
@@ -75,6 +78,100 @@ Estimated variance_and_bias(const Grid<Antialiased>& frame, const Grid<Antialias
   const double expected = 0.5 * variance * (1.0 + 1.0 / history.at(x, y).count);
   const double own = mean_square(frame.at(x, y).color - history.at(x, y).color);
   return {variance, std::max({0.0, squares / std::max(count, 1.0) - expected, own - 9.0 * expected})};
+}
+
+double smoothstep(double low, double high, double x) {
+  const double t = std::clamp((x - low) / (high - low), 0.0, 1.0);
+  return t * t * (3.0 - 2.0 * t);
+}
+
+/// Sums over pixels of a tile that have a history.
+struct Tile {
+  Rgb frame{}, history{};
+  double weight = 0.0;
+};
+
+Grid<Tile> tiles_of(const Grid<Antialiased>& frame, const Grid<Antialiased>& history) {
+  Grid<Tile> tiles((frame.width + kTileSide - 1) / kTileSide, (frame.height + kTileSide - 1) / kTileSide);
+  for (int y = 0; y < frame.height; ++y) {
+    for (int x = 0; x < frame.width; ++x) {
+      if (history.at(x, y).count <= 0.0) continue;
+      Tile& tile = tiles.at(x / kTileSide, y / kTileSide);
+      tile.weight += 1.0;
+      for (int c = 0; c < 3; ++c) {
+        tile.frame[c] += frame.at(x, y).color[c];
+        tile.history[c] += history.at(x, y).color[c];
+      }
+    }
+  }
+  return tiles;
+}
+
+/// By what the history of a tile is multiplied in a channel: 1, or the ratio of the lights of the 9x9 tiles
+/// around if these share it.
+double light_ratio(const Grid<Tile>& tiles, int tile_x, int tile_y, int c) {
+  const auto over_tiles = [&](const auto& call) {
+    const int left = std::clamp(tile_x - 4, 0, std::max(tiles.width - 9, 0));
+    const int top = std::clamp(tile_y - 4, 0, std::max(tiles.height - 9, 0));
+    for (int y = top; y < std::min(top + 9, tiles.height); ++y) {
+      for (int x = left; x < std::min(left + 9, tiles.width); ++x) {
+        call(tiles.at(x, y), std::max(std::abs(x - tile_x), std::abs(y - tile_y)) <= 1);
+      }
+    }
+  };
+  double frame = 0.0, history = 0.0, near_frame = 0.0, near_history = 0.0, weight = 0.0, weight_squares = 0.0;
+  over_tiles([&](const Tile& tile, bool is_near) {
+    frame += tile.frame[c];
+    history += tile.history[c];
+    near_frame += is_near ? tile.frame[c] : 0.0;
+    near_history += is_near ? tile.history[c] : 0.0;
+    weight += tile.weight;
+    weight_squares += tile.weight * tile.weight;
+  });
+  const double n = weight_squares > 0.0 ? weight * weight / weight_squares : 0.0;
+  if (n < 8.0 || std::min(frame, history) <= 0.0) return 1.0;
+  const double ratio = frame / history;
+  double squares = 0.0, frame_squares = 0.0, history_squares = 0.0;
+  over_tiles([&](const Tile& tile, bool) {
+    squares += std::pow(tile.frame[c] - ratio * tile.history[c], 2) / std::min(ratio * ratio, 1.0);
+    frame_squares += std::pow(tile.frame[c], 2);
+    history_squares += std::pow(tile.history[c], 2);
+  });
+  const double least = 1e-6 * std::max(frame_squares, history_squares);
+  const double significance = std::pow(frame - history, 2) / n / (std::max(squares, least) / (n - 1.0));
+  const double share = (near_frame - near_history) / ((ratio - 1.0) * near_history);
+  const double here = ratio != 1.0 && near_history != 0.0 ? smoothstep(0.25, 0.75, share) : 0.0;
+  return 1.0 + here * smoothstep(9.0, 36.0, significance) * (ratio - 1.0);
+}
+
+/// The history in the light of the frame.
+Grid<Antialiased> in_light_of(const Grid<Antialiased>& frame, Grid<Antialiased> history) {
+  const Grid<Tile> tiles = tiles_of(frame, history);
+  Grid<Rgb> ratios(tiles.width, tiles.height);
+  for (int y = 0; y < tiles.height; ++y) {
+    for (int x = 0; x < tiles.width; ++x) {
+      for (int c = 0; c < 3; ++c) ratios.at(x, y)[c] = light_ratio(tiles, x, y, c);
+    }
+  }
+  for (int y = 0; y < frame.height; ++y) {
+    for (int x = 0; x < frame.width; ++x) {
+      const double u = std::clamp((x + 0.5) / kTileSide - 0.5, 0.0, tiles.width - 1.0);
+      const double v = std::clamp((y + 0.5) / kTileSide - 0.5, 0.0, tiles.height - 1.0);
+      const int left = static_cast<int>(u), top = static_cast<int>(v);
+      const int right = std::min(left + 1, tiles.width - 1), bottom = std::min(top + 1, tiles.height - 1);
+      Antialiased& pixel = history.at(x, y);
+      double squares = 0.0;
+      for (int c = 0; c < 3; ++c) {
+        const double ratio =
+            std::lerp(std::lerp(ratios.at(left, top)[c], ratios.at(right, top)[c], u - left),
+                      std::lerp(ratios.at(left, bottom)[c], ratios.at(right, bottom)[c], u - left), v - top);
+        pixel.color[c] *= ratio;
+        squares += ratio * ratio / 3.0;
+      }
+      pixel.variance *= squares;
+    }
+  }
+  return history;
 }
 
 }  // namespace
@@ -167,7 +264,9 @@ Rgb rectified(const Grid<Rgb>& samples, int x, int y, const Rgb& history, const 
 }
 
 Grid<Antialiased> accumulate(const Grid<Rgb>& samples, const Grid<Antialiased>& frame,
-                             const Grid<Antialiased>& history, const AntialiasSettings& settings) {
+                             const Grid<Antialiased>& found, const AntialiasSettings& settings) {
+  const bool follows_light = settings.accumulate == Accumulate::variance;
+  const Grid<Antialiased> history = follows_light ? in_light_of(frame, found) : found;
   Grid<Antialiased> next(frame.width, frame.height);
   for (int y = 0; y < frame.height; ++y) {
     for (int x = 0; x < frame.width; ++x) {
