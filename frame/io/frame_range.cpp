@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <functional>
 #include <utility>
 
 #include "frame/error.h"
@@ -29,11 +28,19 @@ class RangeParser {
 
   /// Of the text that was parsed.
   int step() const {
-    const bool is_even = std::ranges::adjacent_find(steps_, std::not_equal_to()) == steps_.end();
-    return is_even ? steps_.front() : 1;
+    const Range& one = ranges_.front();
+    const bool is_even = std::ranges::all_of(ranges_, [&one](const Range& range) {
+      return range.step == one.step && (range.first - one.first) % one.step == 0;
+    });
+    return is_even ? one.step : 1;
   }
 
  private:
+  struct Range {
+    std::int64_t first;
+    int step;
+  };
+
   [[noreturn]] void fail(const std::string& why) const {
     throw Error(
         ExitStatus::usage,
@@ -58,7 +65,7 @@ class RangeParser {
         if (step < 1) fail(fmt::format("the step {} is below 1", step));
       }
     }
-    steps_.push_back(step);
+    ranges_.push_back({first, step});
     if ((last - first) / step + 1 + static_cast<std::int64_t>(frames_.size()) > kMaxFrames) {
       fail(fmt::format("more than {} frames", kMaxFrames));
     }
@@ -68,7 +75,7 @@ class RangeParser {
   std::string_view text_;
   std::string_view what_;
   std::vector<int> frames_;
-  std::vector<int> steps_;  ///< of the ranges
+  std::vector<Range> ranges_;
 };
 
 }  // namespace

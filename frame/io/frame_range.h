@@ -16,7 +16,8 @@ inline constexpr std::int64_t kMaxFrames = 1'000'000;
 /// range, a step below 1, no number, more than kMaxFrames.
 std::vector<int> parse_frame_range(std::string_view text, std::string_view what = "frame range");
 
-/// The step of such a text: N if all of its ranges are `A-BxN`, else 1. Throws as parse_frame_range.
+/// The step of such a text: N if all of its ranges are `A-BxN`, multiples of N apart, else 1. Throws as
+/// parse_frame_range.
 int frame_range_step(std::string_view text, std::string_view what = "frame range");
 
 /// Range text that parse_frame_range turns into `frames` again, equal steps joined; `frames` ascends.

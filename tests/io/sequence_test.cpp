@@ -63,6 +63,8 @@ TEST(FrameRange, HasAStepIfAllOfItDoes) {
   EXPECT_EQ(frame_range_step("7-7x2"), 2);
   EXPECT_EQ(frame_range_step("1-9x2,21-29x2"), 2);
   EXPECT_EQ(frame_range_step("1-9x2,21-30x3"), 1);
+  EXPECT_EQ(frame_range_step("1-9x2,12-20x2"), 1);
+  EXPECT_EQ(frame_range_step("9-15x3,-6-0x3"), 3);
   EXPECT_EQ(frame_range_step("1-9x2,11"), 1);
   EXPECT_EQ(frame_range_step("1,3,5"), 1);
   EXPECT_EQ(frame_range_step("1-4"), 1);
