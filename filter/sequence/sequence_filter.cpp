@@ -111,10 +111,6 @@ Frame output_frame(const NewFrame& frame, const FilterTask& task, MergedFrame ma
   add_decision(Aov::bias, 1);
   for (float& bias : result.image(Aov::bias).data()) bias = std::sqrt(bias);
   add_decision(Aov::gain, 2);
-  if (contains(diagnostics, Aov::remaining_variance)) {
-    const std::span<float> layer = result.add(Aov::remaining_variance).data();
-    for (std::size_t i = 0; i < layer.size(); ++i) layer[i] = stats[2 * i];
-  }
   if (contains(diagnostics, Aov::residual)) result.image(Aov::residual) = std::move(made.residual);
   if (contains(diagnostics, Aov::flow)) result.image(Aov::flow) = std::move(made.flow);
   if (contains(diagnostics, Aov::accumulated)) {
@@ -126,6 +122,11 @@ Frame output_frame(const NewFrame& frame, const FilterTask& task, MergedFrame ma
   }
   unpack_additive(frame, task, made.merged.carried, matte.as_they_came, result);
   return_spilled_light(matte, task, result);
+  if (contains(diagnostics, Aov::remaining_variance)) {
+    const std::span<float> layer = result.add(Aov::remaining_variance).data();
+    const std::span<const float> of_channels = result.image(Aov::variance).data();
+    for (std::size_t i = 0; i < layer.size(); ++i) layer[i] = of_channels[3 * i];
+  }
   return result;
 }
 

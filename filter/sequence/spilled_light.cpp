@@ -11,6 +11,8 @@ namespace {
 
 /// Of soft edges with a coverage of 0.1, at 4 samples, one pixel in three has alpha.
 constexpr int kReach = 3;
+/// Of factors, whose squares stay within floats.
+constexpr double kLargest = 1e6;
 
 /// Calls `body(i)` for the index of every pixel at most `reach` away from (x, y) in x and y.
 template <class Body>
@@ -63,7 +65,7 @@ std::vector<float> spilled_light(const Image& beauty, std::span<const std::uint8
     double brightest = light;
     for_each_near(beauty, x, y, 1,
                   [&](std::size_t near) { brightest = std::max(brightest, light_of(beauty, near)); });
-    factors[i] = static_cast<float>(std::min(factor, brightest / light));
+    factors[i] = static_cast<float>(std::min({factor, brightest / light, kLargest}));
   });
   return factors;
 }
