@@ -3,6 +3,7 @@
 import hashlib
 import inspect
 import json
+import sys
 from pathlib import Path
 
 from whole_file import write_whole
@@ -24,7 +25,10 @@ def keep_if_recipe(folder, recipe, files="*.exr"):
     stamp, text = folder / "made_of.json", json.dumps(recipe)
     if stamp.exists() and stamp.read_text() == text:
         return
-    for path in folder.glob(files):
+    outdated = list(folder.glob(files))
+    if outdated:
+        print(f"{folder}: {len(outdated)} files of another recipe are made anew", file=sys.stderr, flush=True)
+    for path in outdated:
         path.unlink()
     write_whole(stamp, text)
 

@@ -17,7 +17,7 @@ from benches.timed import timed
 SCENES = Path(__file__).resolve().parents[3] / "scenes"
 AOVS = ["variance", "albedo", "normal", "depth", "motion", "object_id"]
 HALVES = ["half_a", "half_b"]  # exist from 2 spp on
-TRACED = ["--frames", "8", "--size", "192x108", "--spp", "4", "--seed", "1", "--aovs", ",".join(AOVS + HALVES)]  # tells tracers apart
+TRACED = ["--reproducible", "--frames", "8", "--size", "192x108", "--spp", "4", "--seed", "1", "--aovs", ",".join(AOVS + HALVES)]  # tells tracers apart
 REFERENCES = {"a": 1001, "b": 1002}  # folders and seeds; the seed of noisy frames is their number of samples per pixel
 
 
