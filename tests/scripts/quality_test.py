@@ -87,7 +87,7 @@ class ReferenceNoise(unittest.TestCase):
                     (Path(folder) / "cells" / f"{scene}.8.{variant}.json").write_text(json.dumps(cell))
             text = reference_noise.note(folder, folder, ["final"]).replace("\n", " ")
         self.assertIn("`clean` 0.0025", text)
-        self.assertIn("Errors of `rare` are not resolved by such references; without, the geometric means are `final` 1/4 and 1/4.", text)
+        self.assertIn("Of `rare` that is more than a tenth of an error below; without, the geometric means are `final` 1/4 and 1/4.", text)
 
 
 class KeptFrames(unittest.TestCase):
