@@ -134,10 +134,7 @@ void add_denoising(CLI::App& parser, RenderCommand& command) {
 
 void add_render_options(CLI::App& parser, RenderCommand& command) {
   parser.add_option("scene", command.scene, "The scene, a JSON file")->required()->option_text("SCENE.json");
-  CLI::Option* output =
-      add_output_options(parser, command.output,
-                         "the scene's; to --denoise A-BxN is a shot of every N-th frame, 7-7x2 a frame of "
-                         "one on twos, and numbers without xN are of a shot on ones");
+  CLI::Option* output = add_output_options(parser, command.output, "the scene's");
   output->required(false);  // not with --debug-pixel; check_options_fit asks for it otherwise
   add_layers(parser, command);
   add_sampling(parser, command);
