@@ -319,8 +319,8 @@ io::LoadedFrame SequenceJob::read(const filter::Step& step) {
     const Parity parity = given_checkerboard(command_.checkerboard, frame, window_.window.min);
     if (loaded.frame.checkerboard().value_or(parity) != parity) {
       throw Error(ExitStatus::bad_input,
-                  fmt::format("{}: becalm:checkerboard tells the other pixels than --checkerboard={}; "
-                              "--checkerboard alone takes those",
+                  fmt::format("{}: holds the other pixels than --checkerboard={} says, by its "
+                              "becalm:checkerboard; --checkerboard alone goes by that",
                               inputs_.path(frame), command_.checkerboard));
     }
     loaded.frame.set_checkerboard(parity);

@@ -16,6 +16,16 @@ void for_rows(int rows, const Body& body) {
                     [&](const tbb::blocked_range<int>& block) { body(block.begin(), block.end()); });
 }
 
+/// Calls `body(x, y, i)` for every pixel of an image and its index, on all threads.
+template <class Body>
+void for_each_pixel(int width, int height, const Body& body) {
+  for_rows(height, [&](int begin, int end) {
+    for (int y = begin; y < end; ++y) {
+      for (int x = 0; x < width; ++x) body(x, y, static_cast<std::size_t>(y) * width + x);
+    }
+  });
+}
+
 /// Calls `body(i)` for each i in [0, count), on all threads.
 template <class Body>
 void for_each_in_parallel(int count, const Body& body) {

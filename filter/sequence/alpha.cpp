@@ -23,16 +23,6 @@ constexpr int kShareOfRough = 20;
 /// than a colour's own noise extends.
 constexpr int kEmptyReach = 2;
 
-/// Calls `body(x, y, i)` for every pixel and its index, on all threads.
-template <class Body>
-void for_each_pixel(int width, int height, const Body& body) {
-  for_rows(height, [&](int begin, int end) {
-    for (int y = begin; y < end; ++y) {
-      for (int x = 0; x < width; ++x) body(x, y, static_cast<std::size_t>(y) * width + x);
-    }
-  });
-}
-
 /// Sums of a mask over windows.
 class WindowSums {
  public:

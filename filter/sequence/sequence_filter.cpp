@@ -387,7 +387,7 @@ Frame SequenceFilter::finish(Merged& made, FrameReport& report) {
   // MergedSmoother has mixed what it made.
   if (state_->mixer && !task.smooths_merged()) state_->mixer->mix(frame, merged.merged, report);
   if (task.smooths()) restore_energy(frame, task, merged.merged);
-  // Of clean hair, which may look noisy, no gap is given light without alpha unless this is asked for.
+  // Clean hair may look noisy: without a request alpha is passed on.
   std::vector<std::uint8_t> noisy_edges(frame.finite.size());
   if (task.denoises_alpha) {
     noisy_edges = noisy_alpha(frame.frame.image(Aov::beauty));

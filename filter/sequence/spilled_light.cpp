@@ -34,22 +34,14 @@ double light_of(const Image& image, std::size_t i) {
 std::vector<float> spilled_light(const Image& beauty, std::span<const std::uint8_t> empty,
                                  const Image& denoised) {
   if (std::ranges::find(empty, 1) == empty.end()) return {};
-  const auto gains = [&](std::size_t i) { return empty[i] == 0 && beauty.data()[4 * i + 3] > 0.0f; };
-  const auto for_each_pixel = [&](const auto& body) {
-    for_rows(denoised.height(), [&](int begin, int end) {
-      for (int y = begin; y < end; ++y) {
-        for (int x = 0; x < denoised.width(); ++x)
-          body(x, y, static_cast<std::size_t>(y) * denoised.width() + x);
-      }
-    });
-  };
+  const auto takes_light = [&](std::size_t i) { return empty[i] == 0 && beauty.data()[4 * i + 3] > 0.0f; };
   std::vector<double> parts(empty.size());  // of an empty pixel: its light over that around it
   std::atomic<bool> any = false;
-  for_each_pixel([&](int x, int y, std::size_t i) {
+  for_each_pixel(denoised.width(), denoised.height(), [&](int x, int y, std::size_t i) {
     if (empty[i] == 0 || light_of(denoised, i) == 0.0) return;
     double around = 0.0;
     for_each_near(denoised, x, y, kReach, [&](std::size_t near) {
-      if (gains(near)) around += light_of(denoised, near);
+      if (takes_light(near)) around += light_of(denoised, near);
     });
     if (around == 0.0) return;
     parts[i] = light_of(denoised, i) / around;
@@ -57,9 +49,9 @@ std::vector<float> spilled_light(const Image& beauty, std::span<const std::uint8
   });
   if (!any) return {};
   std::vector<float> factors(empty.size(), 1.0f);
-  for_each_pixel([&](int x, int y, std::size_t i) {
+  for_each_pixel(denoised.width(), denoised.height(), [&](int x, int y, std::size_t i) {
     const double light = light_of(denoised, i);
-    if (!gains(i) || light == 0.0) return;
+    if (!takes_light(i) || light == 0.0) return;
     double factor = 1.0;
     for_each_near(denoised, x, y, kReach, [&](std::size_t near) { factor += parts[near]; });
     double brightest = light;

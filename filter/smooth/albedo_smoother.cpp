@@ -48,24 +48,23 @@ Image AlbedoSmoother::smooth(const NewFrame& frame, FrameReport& report) {
   pack_albedo(frame.frame.image(Aov::albedo), bounds(task_.full), packed.data());
   const Image smoothed = smooth(frame, std::move(packed), report);
   Image albedo(smoothed.width(), smoothed.height(), 3);
-  const auto width = static_cast<std::size_t>(albedo.width());
-  for_rows(albedo.height(), [&](int begin, int end) {
-    for (std::size_t i = begin * width; i < end * width; ++i) {
-      std::copy_n(smoothed.data().begin() + 4 * i, 3, albedo.data().begin() + 3 * i);
-    }
+  for_each_pixel(albedo.width(), albedo.height(), [&](int, int, std::size_t i) {
+    std::copy_n(smoothed.data().begin() + 4 * i, 3, albedo.data().begin() + 3 * i);
   });
   return albedo;
 }
 
 void AlbedoSmoother::smooth_alpha(const NewFrame& frame, Image& merged, FrameReport& report) {
+  const std::span<float> color = merged.data();
   Image alphas(merged.width(), merged.height(), 4);
-  for (std::size_t i = 0; i < merged.pixel_count(); ++i)
-    std::fill_n(alphas.data().begin() + 4 * i, 3, std::clamp(merged.data()[4 * i + 3], 0.0f, 1.0f));
+  for_each_pixel(merged.width(), merged.height(), [&](int, int, std::size_t i) {
+    std::fill_n(alphas.data().begin() + 4 * i, 3, std::clamp(color[4 * i + 3], 0.0f, 1.0f));
+  });
   const Image smoothed = smooth(frame, std::move(alphas), report);
-  for (std::size_t i = 0; i < merged.pixel_count(); ++i) {
+  for_each_pixel(merged.width(), merged.height(), [&](int, int, std::size_t i) {
     const std::span<const float> rgb = smoothed.data().subspan(4 * i, 3);
-    merged.data()[4 * i + 3] = std::clamp((rgb[0] + rgb[1] + rgb[2]) / 3.0f, 0.0f, 1.0f);
-  }
+    color[4 * i + 3] = std::clamp((rgb[0] + rgb[1] + rgb[2]) / 3.0f, 0.0f, 1.0f);
+  });
 }
 
 }  // namespace becalm::filter
