@@ -1,19 +1,24 @@
 // Reads smooth/lost's outputs, their sums over patches, the variance of the frame and the error that the network
 // expects; writes (share of the frame that is put back, mean of the patch's relative variances) and the
 // variance that then remains. What a patch lost beyond its noise was detail: the share minimises the expected
-// squared error of the mix (lib/gain.glsl). The loss must be significant by its own spread over the patch:
-// where light is sparse, few pixels rule both the squared difference and the variance, and neither tells
-// much. Surfaces and the background have patches of their own, since one is often clean where the other is
-// noisy. The pixel itself is left out of its patch, since a share derived from the value that it weighs would
-// darken the image. Only a pixel that no noise can explain, such as a star, decides for itself.
+// squared error of the mix (lib/gain.glsl). The loss must exceed what the variance may be wrong by, and be
+// significant by its own spread over the patch: where light is sparse, few pixels rule both the squared
+// difference and the variance, and neither tells much. Surfaces and the background have patches of their own,
+// since one is often clean where the other is noisy. The pixel itself is left out of its patch, since a share
+// derived from the value that it weighs would darken the image. Only a pixel that no noise can explain, such as
+// a star, decides for itself.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #include "lib/dispatch_size.glsl"
 #include "shared/limits.h"
 
-/// Standard errors by which the mean excess must exceed zero. It then shrinks as James and Stein (1961) have it.
-const float kSignificance = 2.0;
+/// What a patch's variance may be wrong by, over the variance: in merged frames of sparse light it is up to a fifth too
+/// small, since the weights of frames depend a little on their samples.
+const float kUnsure = 0.25;
+/// Standard errors by which the mean excess must exceed zero: of even patches, one in 740 does by chance. It then
+/// shrinks as James and Stein (1961) have it.
+const float kSignificance = 3.0;
 /// A difference of more than this many standard deviations of the pixel's and of its patch's noise is not
 /// noise.
 const float kCertain = 16.0;
@@ -45,7 +50,8 @@ void main() {
   const vec2 smooth_stats = texelFetch(expected, index).xy;
   const vec3 mean = max(sum.xyz / count, vec3(0.0));
   const float uncertain = kSignificance * kSignificance * mean.y / count;
-  const float detail = mean.x * mean.x > uncertain ? mean.x - uncertain / mean.x : 0.0;
+  const float excess = max(mean.x - kUnsure * mean.z, 0.0);
+  const float detail = excess * excess > uncertain ? excess - uncertain / excess : 0.0;
   const vec4 own = background ? texelFetch(lost_background, index) : texelFetch(lost, index);
   const float noise = max(own.z, mean.z);
   const float squared = own.x + own.z;

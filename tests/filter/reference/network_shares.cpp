@@ -75,8 +75,9 @@ PatchShare share_of(const Grid<Estimate>& sample, const Grid<Lost>& lost,
   });
   const double count = std::max(alike, 1);
   mean_noise /= count;
-  const double ratio = squared_excess / (excess * excess);  // squared standard error, over the squared mean
-  const double detail = excess > 0 ? excess / count * (1 - 4 * ratio) : 0.0;
+  excess = excess / count - 0.25 * mean_noise;
+  const double squared_error = squared_excess / (count * count);
+  const double detail = excess > 0 ? excess - 9 * squared_error / excess : 0.0;
   const Lost& own = lost.at(x, y);
   const double noise = std::max(own.noise, mean_noise);
   const double of_pixel = own.square > 16 * 16 * noise ? own.square / (own.square + noise) : 0.0;
