@@ -34,7 +34,7 @@ void FrameProblems::fail(std::size_t total, std::string_view consequence) const 
 
 std::string FrameProblems::frames_text(const std::vector<int>& frames) const {
   if (frames.size() == 1) return pattern_.path(frames.front());
-  return fmt::format("{}: frames {}", pattern_.text(), io::format_frame_range(frames));
+  return fmt::format("{}: frames {}", pattern_.text(), io::format_frame_range(frames, step_));
 }
 
 }  // namespace becalm::app

@@ -13,7 +13,8 @@ namespace becalm::app {
 /// What is wrong with frames of a sequence, collected so that a user reads all of it at once.
 class FrameProblems {
  public:
-  explicit FrameProblems(const io::SequencePattern& pattern) : pattern_(pattern) {}
+  /// The shot has every `step`-th frame.
+  FrameProblems(const io::SequencePattern& pattern, int step) : pattern_(pattern), step_(step) {}
 
   /// A file's path at the front of `problem` is left out, so that frames with one problem share a line.
   void add(int frame, std::string problem);
@@ -27,6 +28,7 @@ class FrameProblems {
   std::string frames_text(const std::vector<int>& frames) const;
 
   const io::SequencePattern& pattern_;
+  int step_;
   std::vector<std::pair<std::string, std::vector<int>>> problems_;  ///< in the order of their first frames
 };
 

@@ -24,6 +24,7 @@
 #include "app/frame_problems.h"
 #include "app/half_buffers.h"
 #include "app/input_check.h"
+#include "app/input_frames.h"
 #include "app/layer_arguments.h"
 #include "app/noisy_image.h"
 #include "app/options.h"
@@ -300,21 +301,35 @@ std::vector<Kind> kinds_of(const std::vector<Described>& described) {
   return kinds;
 }
 
-void print_kinds(const std::vector<Kind>& kinds) {
+/// The distance of the frames of a shot: 2 on twos. Files that were denoised while rendering tell which
+/// frames were rendered for them.
+int step_of_shot(const io::SequencePattern& pattern, const std::vector<int>& frames,
+                 const std::vector<Described>& described) {
+  if (described.back().origin.empty()) return usual_step(frames);
+  try {
+    const std::string made_from = io::read_attribute(pattern.path(frames.back()), "becalm:made_from");
+    return usual_step(io::parse_frame_range(made_from));
+  } catch (const Error&) {  // most files have no such text
+    return usual_step(frames);
+  }
+}
+
+void print_kinds(const std::vector<Kind>& kinds, int step) {
   constexpr std::size_t most_kinds = 10;  // data windows may differ in every frame
   for (std::size_t i = 0; i < std::min(kinds.size(), most_kinds); ++i) {
     if (kinds.size() > 1) {
-      fmt::print("frames {}{}:\n", io::format_frame_range(kinds[i].frames), i == 0 ? "" : " have instead");
+      fmt::print("frames {}{}:\n", io::format_frame_range(kinds[i].frames, step),
+                 i == 0 ? "" : " have instead");
     }
     i == 0 ? print_lines(kinds[i].first->lines) : print_difference(kinds[i], kinds[0]);
   }
   if (kinds.size() > most_kinds) fmt::print("{} more kinds of frames\n", kinds.size() - most_kinds);
 }
 
-Json to_json(const std::vector<Kind>& kinds) {
+Json to_json(const std::vector<Kind>& kinds, int step) {
   Json json = Json::array();
   for (const Kind& kind : kinds) {
-    json.push_back({{"frames", io::format_frame_range(kind.frames)},
+    json.push_back({{"frames", io::format_frame_range(kind.frames, step)},
                     {"parts", to_json(kind.first->file.parts)},
                     {"checkerboard", kind.first->file.is_checkerboard},
                     {"becalm", kind.first->origin}});
@@ -339,7 +354,8 @@ void describe_sequence(const io::SequencePattern& pattern, io::LayerOptions laye
   const AdditiveChoice additive = choose_additive("auto", files, layers);
   const std::vector<Described> described = describe_frames(pattern, frames, with(additive, layers));
   const std::vector<Kind> kinds = kinds_of(described);
-  FrameProblems problems(pattern);
+  const int step = step_of_shot(pattern, frames, described);
+  FrameProblems problems(pattern, step);
   const std::string alpha = alpha_outlook(pattern.path(frames.front()), layers);
   Json problems_json = Json::array();
   for (const Described& frame : described) {
@@ -352,8 +368,8 @@ void describe_sequence(const io::SequencePattern& pattern, io::LayerOptions laye
   if (audits) findings = audit_of(pattern, frames, layers);
   if (command.json) {
     Json json{{"pattern", pattern.text()},
-              {"frames", io::format_frame_range(frames)},
-              {"kinds", to_json(kinds)},
+              {"frames", io::format_frame_range(frames, step)},
+              {"kinds", to_json(kinds, step)},
               {"additive", to_json(additive.sets)},
               {"alpha", alpha},
               {"becalm", described.front().origin},
@@ -362,11 +378,11 @@ void describe_sequence(const io::SequencePattern& pattern, io::LayerOptions laye
     print_json(json);
   } else {
     fmt::print("{}: {}, {}\n", pattern.text(), counted(frames.size(), "frame", "frames"),
-               io::format_frame_range(frames));
+               io::format_frame_range(frames, step));
     if (const auto other = find_other_half(pattern)) {
       fmt::print("{} is the other half of the samples; denoise takes the mean of both\n", other->text());
     }
-    print_kinds(kinds);
+    print_kinds(kinds, step);
     if (noisy) fmt::print("{}\n", noisy->text());
     for (const AdditiveNote& note : additive.notes) fmt::print("{}\n", note.text);
     if (!alpha.empty()) fmt::print("{}\n", alpha);

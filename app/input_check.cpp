@@ -264,7 +264,7 @@ std::vector<InputLayout> check_inputs(const InputFrames& inputs, const std::set<
   });
 
   const Checked* usual = most_common(checked);
-  FrameProblems problems(inputs.pattern());
+  FrameProblems problems(inputs.pattern(), usual_step({frames.begin(), frames.end()}));
   for (const Checked& frame : checked) {
     if (frame.layout && *frame.layout == *usual->layout) continue;
     problems.add(frame.frame, frame.layout

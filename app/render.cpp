@@ -222,7 +222,8 @@ void RenderJob::make_again() {
   for (const int frame : outdated) existing_.erase(frame);
   if (!outdated.empty()) {
     warn(fmt::format("{} made again, since other frames than before are read for them: {}",
-                     counted(outdated.size(), "frame is", "frames are"), io::format_frame_range(outdated)));
+                     counted(outdated.size(), "frame is", "frames are"),
+                     io::format_frame_range(outdated, frame_step(command_))));
   }
   if (command_.keep_noisy.empty()) return;
   std::erase_if(existing_, [this](int frame) { return !noisy_files_->existing.contains(frame); });

@@ -110,4 +110,23 @@ std::string format_frame_range(const std::vector<int>& frames) {
   return text;
 }
 
+std::string format_frame_range(const std::vector<int>& frames, int step) {
+  if (frames.empty()) return "";
+  const bool is_even = std::ranges::all_of(
+      frames, [&](int frame) { return (std::int64_t{frame} - frames.front()) % step == 0; });
+  if (step == 1 || !is_even) {
+    const std::string text = format_frame_range(frames);
+    if (frame_range_step(text) == 1) return text;
+    return fmt::format("{},{}", frames.front(), format_frame_range({frames.begin() + 1, frames.end()}));
+  }
+  std::string text;
+  for (auto begin = frames.begin(); begin != frames.end();) {
+    auto last = begin;
+    while (last + 1 != frames.end() && std::int64_t{last[1]} - *last == step) ++last;
+    text += fmt::format("{}{}-{}x{}", text.empty() ? "" : ",", *begin, *last, step);
+    begin = last + 1;
+  }
+  return text;
+}
+
 }  // namespace becalm::io

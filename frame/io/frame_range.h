@@ -22,5 +22,8 @@ int frame_range_step(std::string_view text, std::string_view what = "frame range
 
 /// Range text that parse_frame_range turns into `frames` again, equal steps joined; `frames` ascends.
 std::string format_frame_range(const std::vector<int>& frames);
+/// Such text that frame_range_step, too, turns into `step` again, so that `render --frames` takes it for the
+/// frames of the same shot. Frames that are no multiples of `step` apart are a list, whose step is 1.
+std::string format_frame_range(const std::vector<int>& frames, int step);
 
 }  // namespace becalm::io

@@ -58,6 +58,26 @@ TEST_F(InfoOnSequences, FramesThatBecalmMadeWithOtherSettingsAreToldApart) {
   EXPECT_EQ(kinds[1]["becalm"]["settings"], "spp=64") << kinds;
 }
 
+TEST_F(InfoOnSequences, FramesArePrintedAsRenderTakesThem) {
+  const auto frames_made_from = [&](const std::string& made_from) {
+    const io::Attributes attributes{{"becalm:version", "0.1.1"}, {"becalm:made_from", made_from}};
+    for (const int number : {1, 3, 5})
+      io::write_exr(frame_path(pattern_, number), noise_frame(number), attributes);
+    const std::string frames = nlohmann::json::parse(becalm_done({"info", pattern_, "--json"}).out)["frames"];
+    const Outcome outcome = becalm_done({"info", pattern_});
+    EXPECT_EQ(outcome.out.substr(0, outcome.out.find('\n')), pattern_ + ": 3 frames, " + frames);
+    return frames;
+  };
+  EXPECT_EQ(frames_made_from("1-5x2"), "1-5x2");
+  EXPECT_EQ(frames_made_from("1-6"), "1,3,5");
+  EXPECT_EQ(frames_made_from("no range"), "1-5x2");
+  for (const int number : {2, 4}) write(number, without_albedo(number));
+  for (const int number : {6, 7}) write(number, noise_frame(number));
+  write(8, without_albedo(8));
+  const Outcome outcome = becalm_done({"info", pattern_});
+  EXPECT_NE(outcome.out.find("frames 2,4,8 have instead:\n"), std::string::npos) << outcome.out;
+}
+
 TEST_F(InfoOnSequences, AuditsFramesThatFollowEachOther) {
   const auto write_noise = [&](int number, int seed) {
     Frame frame = noise_frame(seed);

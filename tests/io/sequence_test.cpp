@@ -84,6 +84,26 @@ TEST(FrameRange, FormattedRangesParseToTheSameFrames) {
   }
 }
 
+TEST(FrameRange, FormattedRangesOfAShotHaveItsStep) {
+  EXPECT_EQ(format_frame_range({}, 1), "");
+  EXPECT_EQ(format_frame_range({1, 3}, 1), "1,3");
+  EXPECT_EQ(format_frame_range({1, 3, 5}, 1), "1,3,5");
+  EXPECT_EQ(format_frame_range({1, 3, 5, 7}, 1), "1,3-7x2");
+  EXPECT_EQ(format_frame_range({1, 2, 3, 5, 7, 9}, 1), "1-3,5-9x2");
+  EXPECT_EQ(format_frame_range({1, 3, 5}, 2), "1-5x2");
+  EXPECT_EQ(format_frame_range({7}, 2), "7-7x2");
+  EXPECT_EQ(format_frame_range({-3, -1, 5}, 2), "-3--1x2,5-5x2");
+  EXPECT_EQ(format_frame_range({1, 4, 6}, 2), "1,4,6");
+  EXPECT_EQ(format_frame_range({1, 3, 5}, 4), "1,3,5");
+  for (const int step : {1, 2, 3}) {
+    for (const Frames& frames : {Frames{-9, -3, 3}, Frames{0, 6, 12, 18}, Frames{7}, Frames{1, 7, 13, 37}}) {
+      const std::string text = format_frame_range(frames, step);
+      EXPECT_EQ(parse_frame_range(text), frames) << text;
+      EXPECT_EQ(frame_range_step(text), step) << text;
+    }
+  }
+}
+
 TEST(FrameInName, IsTheLastNumberBetweenDotsOrTheDigitsAtTheEnd) {
   const auto number = [](const std::string& path) {
     const std::optional<NamedFrame> frame = frame_in_name(path);
