@@ -109,6 +109,13 @@ std::string_view scope_of(std::string_view layer) {
   return dot == std::string_view::npos ? std::string_view() : layer.substr(0, dot);
 }
 
+std::string without_view(const std::string& name, const std::vector<std::string>& views) {
+  for (const std::string& view : views) {
+    if (std::string without = name_without_view(name, view); without != name) return without;
+  }
+  return name;
+}
+
 bool ChannelLayer::is_bare() const {
   return own_name.empty() && (part_name.empty() || !names_an_aov(part_name));
 }

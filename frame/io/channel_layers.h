@@ -15,6 +15,10 @@ std::string lower(std::string_view text);
 /// The view layer's or scene's name before a layer's own name, such as `viewlayer` of `viewlayer.combined`.
 std::string_view scope_of(std::string_view layer);
 
+/// A layer's or part's name without the word between its dots that is a view's: `diffuse` of `left.diffuse`.
+/// The name itself where there is no such word.
+std::string without_view(const std::string& name, const std::vector<std::string>& views);
+
 /// The channels of one view in one layer of one part, by lower-case letter. A channel whose name does
 /// not end in a letter or a colour is a layer of its own, and has letter 0.
 struct ChannelLayer {

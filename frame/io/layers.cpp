@@ -92,7 +92,7 @@ void apply_convention(const Alias& alias, LayerSource& source) {
 class LayerFinder {
  public:
   LayerFinder(const std::vector<PartChannels>& parts, const std::string& view)
-      : layers_(collect_layers(parts, view)) {
+      : layers_(collect_layers(parts, view)), views_(find_views(parts)) {
     std::map<std::string_view, int> evidence;  // by name: two parts may have one
     int sum = 0;
     for (const ChannelLayer& layer : layers_) evidence[layer.name()] = evidence_of_vray(layer.name());
@@ -131,12 +131,17 @@ class LayerFinder {
   std::optional<Found> find_override(const std::vector<PartChannels>& parts, Aov aov,
                                      const std::string& wanted) const {
     const std::string name = lower(wanted);
-    if (auto found = find_named(aov, name, [](const ChannelLayer&) { return true; })) return found;
+    const auto find_in = [&](const std::string& layer, auto accept) {
+      std::optional<Found> found = find_named(aov, layer, accept);
+      return found ? found : find_named(aov, without_view(layer, views_), accept);
+    };
+    if (auto found = find_in(name, [](const ChannelLayer&) { return true; })) return found;
     for (std::size_t slash = name.find('/'); slash != std::string::npos; slash = name.find('/', slash + 1)) {
+      const std::string part = name.substr(0, slash);
       const auto is_in_part = [&](const ChannelLayer& layer) {
-        return lower(parts[layer.part].name) == name.substr(0, slash);
+        return lower(parts[layer.part].name) == part || layer.part_name == without_view(part, views_);
       };
-      if (auto found = find_named(aov, name.substr(slash + 1), is_in_part)) return found;
+      if (auto found = find_in(name.substr(slash + 1), is_in_part)) return found;
     }
     return std::nullopt;
   }
@@ -193,13 +198,16 @@ class LayerFinder {
     if (channel_count(aov) > 1) return std::nullopt;
     for (const ChannelLayer& layer : layers_) {
       for (const auto& [letter, channel] : layer.channels) {
-        if (accept(layer) && lower(channel) == name) return Found{{layer.part, {channel}}, ""};
+        const std::string own = lower(channel);
+        if (accept(layer) && (own == name || without_view(own, views_) == name))
+          return Found{{layer.part, {channel}}, ""};
       }
     }
     return std::nullopt;
   }
 
   std::vector<ChannelLayer> layers_;
+  std::vector<std::string> views_;
   bool is_vrays_ = false;
 };
 
@@ -216,13 +224,14 @@ std::string_view other_colour(const std::vector<PartChannels>& parts) {
                                   : "; Y alone is one channel, which must be copied to R G B first";
 }
 
-/// The channels in one line, cut short where there are very many.
+/// The channels in one line, as PART/CHANNEL where parts have names; cut short where there are very many.
 std::string list_channels(const std::vector<PartChannels>& parts) {
   constexpr std::size_t most_listed = 60;
   constexpr std::size_t longest = 1500;
-  std::vector<std::string_view> names;
+  std::vector<std::string> names;
   for (const PartChannels& part : parts) {
-    names.insert(names.end(), part.channels.begin(), part.channels.end());
+    for (const std::string& channel : part.channels)
+      names.push_back(part.name.empty() ? channel : fmt::format("{}/{}", part.name, channel));
   }
   if (names.empty()) return "none";
   std::string text;

@@ -348,6 +348,37 @@ TEST(Layers, APartMayBeAnEyes) {
   EXPECT_FALSE(source(right, Aov::depth));
 }
 
+TEST(Layers, OverridesMayHaveTheNameOfAView) {
+  const std::vector<PartChannels> one_part = {
+      {.multi_view = {"left", "right"},
+       .channels = {"R", "G", "B", "right.R", "right.G", "right.B", "Z", "right.Z", "left.c.R", "left.c.G",
+                    "left.c.B", "c.right.R", "c.right.G", "c.right.B"}}};
+  for (const std::string name : {"c", "left.c", "c.right", "Right.C"}) {
+    for (const std::string view : {"left", "right"}) {
+      const LayerMap map = find_layers("file.exr", one_part, {.layers = {{Aov::albedo, name}}}, view);
+      EXPECT_EQ(channels_of(map, Aov::albedo)[0], view == "left" ? "left.c.R" : "c.right.R") << name;
+    }
+  }
+  for (const std::string name : {"Z", "right.Z", "left.Z"}) {
+    for (const std::string view : {"left", "right"}) {
+      const LayerMap map = find_layers("file.exr", one_part, {.layers = {{Aov::depth, name}}}, view);
+      EXPECT_EQ(channels_of(map, Aov::depth), Names{view == "left" ? "Z" : "right.Z"}) << name;
+    }
+  }
+  const std::vector<PartChannels> parts = {
+      {.name = "rgb.left", .view = "left", .channels = {"R", "G", "B"}},
+      {.name = "rgb.right", .view = "right", .channels = {"R", "G", "B"}},
+      {.name = "c.left", .view = "left", .channels = {"R", "G", "B", "x.R", "x.G", "x.B"}},
+      {.name = "c.right", .view = "right", .channels = {"R", "G", "B", "x.R", "x.G", "x.B"}}};
+  for (const std::string name : {"c", "c.left", "c.right", "c.left/x", "c.right/x", "c/x"}) {
+    for (const std::string view : {"left", "right"}) {
+      const LayerMap map = find_layers("file.exr", parts, {.layers = {{Aov::albedo, name}}}, view);
+      EXPECT_EQ(source(map, Aov::albedo)->part, view == "left" ? 2 : 3) << name;
+      EXPECT_EQ(channels_of(map, Aov::albedo)[0], name.ends_with('x') ? "x.R" : "R") << name;
+    }
+  }
+}
+
 TEST(Layers, NoColourListsTheChannels) {
   EXPECT_EQ(error_of(ExitStatus::bad_input,
                      [] {
@@ -393,42 +424,15 @@ TEST(Layers, AnOverrideThatIsNotThereNamesFileAndLayer) {
                        find({"R", "G", "B"}, {{Aov::albedo, "diffuse"}});
                      }),
             "file.exr: no layer 'diffuse' with channels for albedo (RGB); channels found: R, G, B");
-}
-
-TEST(LayerOverrides, Parsed) {
-  const LayerOverrides overrides = parse_layer_overrides("albedo=ViewLayer.Denoising Albedo,beauty=a.b");
-  EXPECT_EQ(overrides, (LayerOverrides{{Aov::albedo, "ViewLayer.Denoising Albedo"}, {Aov::beauty, "a.b"}}));
-  EXPECT_TRUE(parse_layer_overrides("").empty());
-}
-
-TEST(LayerOverrides, Errors) {
-  EXPECT_NE(error_of(ExitStatus::usage, [] { parse_layer_overrides("colour=X"); })
-                .find("no AOV is called 'colour'"),
-            std::string::npos);
-  EXPECT_EQ(error_of(ExitStatus::usage, [] { parse_layer_overrides("albedo="); }),
-            "layers 'albedo=': no layer name; expected albedo=NAME");
-  EXPECT_EQ(error_of(ExitStatus::usage, [] { parse_layer_overrides("albedo"); }),
-            "layers 'albedo': no layer name; expected albedo=NAME");
-}
-
-TEST(LayerOverrides, TheBeautyCannotBeLeftOut) {
-  EXPECT_EQ(error_of(ExitStatus::usage, [] { parse_layer_overrides("beauty=none"); }),
-            "layers 'beauty=none': the beauty cannot be left out");
-}
-
-TEST(MotionChange, Parsed) {
-  EXPECT_EQ(parse_motion_change(""), MotionChange());
-  EXPECT_EQ(parse_motion_change("flip-y,swap,scale=-2"),
-            (MotionChange{.swap = true, .scale = {-2.0f, 2.0f}}));
-}
-
-TEST(MotionChange, Errors) {
-  EXPECT_EQ(error_of(ExitStatus::usage, [] { parse_motion_change("flip"); }),
-            "motion 'flip': expected some of flip-x, flip-y, scale=S and swap");
-  for (const std::string text : {"scale=", "scale=0", "scale=x", "scale=1x", "scale=inf", "scale=nan"}) {
-    EXPECT_EQ(error_of(ExitStatus::usage, [&] { parse_motion_change(text); }),
-              "motion '" + text + "': expected scale=S with a number other than 0");
-  }
+  EXPECT_EQ(error_of(ExitStatus::bad_input,
+                     [] {
+                       find_layers("file.exr",
+                                   {{.name = "rgba", .channels = {"R", "G", "B"}},
+                                    {.name = "N", .channels = {"N.X"}}},
+                                   {.layers = {{Aov::albedo, "diffuse"}}});
+                     }),
+            "file.exr: no layer 'diffuse' with channels for albedo (RGB); channels found: rgba/R, rgba/G, "
+            "rgba/B, N/N.X");
 }
 
 TEST(Layers, LightGroupsThatDifferInCaseAloneAreTwo) {
