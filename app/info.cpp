@@ -19,6 +19,7 @@
 #include "app/console.h"
 #include "app/counted.h"
 #include "app/eye_names.h"
+#include "app/file_origin.h"
 #include "app/filter_stage.h"
 #include "app/folder_input.h"
 #include "app/frame_problems.h"
@@ -34,7 +35,6 @@
 #include "frame/io/additive_layers.h"
 #include "frame/io/exr.h"
 #include "frame/io/frame_range.h"
-#include "frame/io/printable.h"
 #include "frame/io/sequence.h"
 #include "frame/mebibytes.h"
 #include "tracer/describe_scene.h"
@@ -178,35 +178,6 @@ Json to_json(const std::vector<FrameFinding>& findings) {
   return json;
 }
 
-/// What becalm recorded about how it made a file: nothing for other files and damaged ones.
-Json origin_of(const std::string& path) {
-  Json origin = Json::object();
-  std::map<std::string, std::string> recorded;
-  try {
-    recorded = io::read_attributes(path);
-  } catch (const Error& error) {
-    if (error.status() == ExitStatus::resource) throw;
-    return origin;
-  }
-  for (const char* name : {"version", "command", "preset", "tiles", "settings"}) {
-    const std::string& value = recorded[fmt::format("becalm:{}", name)];
-    if (!value.empty()) origin[name] = value;
-  }
-  return origin;
-}
-
-/// In words, or nothing.
-std::vector<std::string> origin_lines(const Json& origin) {
-  constexpr std::size_t longest = 2000;  // characters of one attribute
-  if (!origin.contains("version")) return {};
-  std::string text = "becalm:";
-  for (const auto& [name, value] : origin.items()) {
-    text += fmt::format("{} {} {}", text.back() == ':' ? "" : ";", name,
-                        io::printable(value.get<std::string>(), longest));
-  }
-  return {text};
-}
-
 void describe_file(const InfoCommand& command, io::LayerOptions layers) {
   const std::string& path = command.subject;
   const io::SequencePattern pattern(path);
@@ -275,12 +246,19 @@ std::vector<Described> describe_frames(const io::SequencePattern& pattern, const
   return described;
 }
 
+/// The line with one blank for each run of them: columns are as wide as a file's longest channel name.
+std::string without_columns(std::string line) {
+  const auto both_blank = [](char a, char b) { return a == ' ' && b == ' '; };
+  line.erase(std::unique(line.begin(), line.end(), both_blank), line.end());
+  return line;
+}
+
 /// The lines of `usual` that `kind` lacks, and those of `kind` that `usual` lacks.
 void print_difference(const Kind& kind, const Kind& usual) {
   const auto print_missing = [](const Kind& from, const Kind& in, char sign) {
     for (const std::string& line : from.first->lines) {
-      if (std::ranges::find(in.first->lines, line) == in.first->lines.end())
-        fmt::print("{} {}\n", sign, line);
+      const auto same = std::ranges::find(in.first->lines, without_columns(line), without_columns);
+      if (same == in.first->lines.end()) fmt::print("{} {}\n", sign, line);
     }
   };
   print_missing(usual, kind, '-');

@@ -39,6 +39,8 @@ TEST_F(InfoOnSequences, FramesThatDifferAreToldApart) {
   EXPECT_NE(outcome.out.find("frames 2-4:\n"), std::string::npos) << outcome.out;
   EXPECT_NE(outcome.out.find("frames 1,5 have instead:\n"), std::string::npos) << outcome.out;
   EXPECT_NE(outcome.out.find("\n-   albedo.R"), std::string::npos) << outcome.out;
+  // What is as usual but in columns of another width is no difference.
+  EXPECT_EQ(outcome.out.find("beauty.R"), outcome.out.rfind("beauty.R")) << outcome.out;
 }
 
 TEST_F(InfoOnSequences, FramesThatBecalmMadeWithOtherSettingsAreToldApart) {
