@@ -29,6 +29,7 @@ constexpr Alias kAliases[] = {
     {.aov = Aov::albedo, .layer = "denoising albedo"},
     {.aov = Aov::albedo, .layer = "denoise_albedo"},
     {.aov = Aov::albedo, .layer = "rgba_denoise_albedo"},
+    {.aov = Aov::albedo, .layer = "denoise_albedo_noisy"},
     {.aov = Aov::albedo, .layer = "albedo"},
     {.aov = Aov::albedo, .layer = "diffuse_albedo"},
     {.aov = Aov::albedo, .layer = "alb"},
@@ -41,6 +42,8 @@ constexpr Alias kAliases[] = {
     {.aov = Aov::normal, .layer = "normals"},
     {.aov = Aov::normal, .layer = "bump_normals"},
     {.aov = Aov::normal, .layer = "sh_normal"},
+    {.aov = Aov::normal, .layer = "avg_shading_normal"},  // LuxCore's
+    {.aov = Aov::normal, .layer = "shading_normal"},
     {.aov = Aov::normal, .layer = "ns"},
     {.aov = Aov::normal, .layer = "n"},
     {.aov = Aov::normal, .layer = "geo_normal"},

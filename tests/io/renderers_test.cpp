@@ -99,6 +99,26 @@ TEST_F(Renderers, ArnoldThatPreservesLayerNames) {
                             {"depth", "Z"}}));
 }
 
+TEST_F(Renderers, ArnoldWithItsNoisyAlbedo) {
+  write({layer_channels("RGBA", kRgba), layer_channels("denoise_albedo_noisy", kRgb)});
+  EXPECT_EQ(found()["albedo"], "denoise_albedo_noisy.R denoise_albedo_noisy.G denoise_albedo_noisy.B");
+  write({layer_channels("RGBA", kRgba), layer_channels("denoise_albedo", kRgb),
+         layer_channels("denoise_albedo_noisy", kRgb)});
+  EXPECT_EQ(found()["albedo"], "denoise_albedo.R denoise_albedo.G denoise_albedo.B");
+}
+
+TEST_F(Renderers, LuxCore) {
+  write({layer_channels("", kRgba), layer_channels("ALBEDO", kRgb), layer_channels("SHADING_NORMAL", kXyz),
+         layer_channels("DEPTH", {"Z"})});
+  EXPECT_EQ(found(), (Found{{"beauty", "R G B A"},
+                            {"albedo", "ALBEDO.R ALBEDO.G ALBEDO.B"},
+                            {"normal", "SHADING_NORMAL.X SHADING_NORMAL.Y SHADING_NORMAL.Z"},
+                            {"depth", "DEPTH.Z"}}));
+  write({layer_channels("V.Combined", kRgba), layer_channels("V.AVG_SHADING_NORMAL", kXyz),
+         layer_channels("V.SHADING_NORMAL", kXyz)});
+  EXPECT_EQ(found()["normal"], "V.AVG_SHADING_NORMAL.X V.AVG_SHADING_NORMAL.Y V.AVG_SHADING_NORMAL.Z");
+}
+
 TEST_F(Renderers, ArnoldsDiffuseLightIsNoAlbedo) {
   write({layer_channels("", kRgba), layer_channels("diffuse", kRgb), layer_channels("specular", kRgb)});
   EXPECT_EQ(found(), (Found{{"beauty", "R G B A"}}));
