@@ -426,8 +426,12 @@ std::vector<ViewLayers> find_view_layers(const std::string& file, const std::vec
       if (!is_summand) source.reset();
     }
     if (options.with_usual_lights) layers.lights = find_light_groups(parts, all, part);
-    for (const std::string& name : options.additive) {
+    for (std::string name : options.additive) {
       std::optional<LightSource> light = find_additive_layer(parts, part, view, name);
+      if (!light) {
+        name = without_view(name, views);
+        light = find_additive_layer(parts, part, view, name);
+      }
       if (!light && view != views.front()) continue;
       if (!light) {
         throw Error(

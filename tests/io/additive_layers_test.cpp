@@ -366,6 +366,19 @@ TEST_F(AdditiveLayers, DiffuseIsLightBesideNormalsAlone) {
   EXPECT_TRUE(contains(read_exr(path_, 1, AovSet().set(), {}).frame.aovs(), Aov::albedo)) << "V-Ray's";
 }
 
+TEST_F(AdditiveLayers, EachEyeHasItsOwnWhicheverViewIsNamed) {
+  const std::vector<PartChannels> parts = {
+      {.multi_view = {"left", "right"},
+       .channels = {"R", "G", "B", "right.R", "right.G", "right.B", "left.key.R", "left.key.G", "left.key.B",
+                    "right.key.R", "right.key.G", "right.key.B"}}};
+  for (const std::string name : {"key", "left.key", "key.right"}) {
+    const std::vector<ViewLayers> eyes = find_view_layers("file.exr", parts, {.additive = {name}});
+    ASSERT_EQ(eyes.size(), 2) << name;
+    EXPECT_EQ(eyes[0].lights.at("key").layer.channels.front(), "left.key.R") << name;
+    EXPECT_EQ(eyes[1].lights.at("key").layer.channels.front(), "right.key.R") << name;
+  }
+}
+
 TEST_F(AdditiveLayers, ALayerThatIsNotThereIsAnError) {
   write({{"", first}});
   EXPECT_THROW(read_exr(path_, 1, {}, {.additive = {"key"}}, LightGroups::read), Error);
