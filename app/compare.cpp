@@ -142,10 +142,10 @@ CLI::Validator limit_of(const Figure& figure) {
         const bool has_least = figure.limit != LimitKind::min;
         const bool is_number = value && std::isfinite(*value) && *value <= figure.most;
         if (is_number && (!has_least || *value >= 0.0)) return std::string();
-        return fmt::format("expected a finite number{}{}", has_least ? " of at least 0" : "",
-                           figure.most < std::numeric_limits<float>::max()
-                               ? fmt::format(", at most {:g}", figure.most)
-                               : "");
+        return fmt::format(
+            "expected a finite number{}{}, found {}", has_least ? " of at least 0" : "",
+            figure.most < std::numeric_limits<float>::max() ? fmt::format(", at most {:g}", figure.most) : "",
+            text);
       },
       "");
 }

@@ -13,7 +13,8 @@ CLI::Validator number_from(double low, double high) {
       [low, high](const std::string& text) {
         const std::optional<double> value = parse_number<double>(text);
         const bool fits = value && *value >= low && *value <= high;
-        return fits ? std::string() : fmt::format("expected a number from {} to {}", low, high);
+        return fits ? std::string()
+                    : fmt::format("expected a number from {} to {}, found {}", low, high, text);
       },
       "");
 }

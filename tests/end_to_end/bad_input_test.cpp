@@ -308,6 +308,9 @@ TEST_F(BadInput, ValuesOutOfRange) {
   expect_error(render({"--denoise", "--cuts", "often"}), kUsage, {"often"});
   expect_error(render({"--cuts", "5"}), kUsage, {"--cuts", "--denoise"});
   expect_error(render({"--debug-pixel", "1,2,0"}), kUsage, {"--debug-pixel"});
+  expect_error(render({"--denoise", "--noise-target", "77"}), kUsage, {"--noise-target", "found 77"});
+  expect_error(becalm({"compare", folder_ / "a.exr", folder_ / "b.exr", "--max-relmse", "1%"}), kUsage,
+               {"--max-relmse", "found 1%"});
 }
 
 TEST_F(BadInput, NoSuchDevice) {
