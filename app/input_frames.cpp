@@ -133,8 +133,9 @@ InputFrames::InputFrames(const std::vector<std::string>& patterns, Pair pair, co
                                                   return b - a > step_;
                                                 }) != readable_.end();
   if (all && gaps) {
-    notes_.push_back(fmt::format("{}: only frames {} are on disk; the filter starts anew after each gap",
-                                 pattern, io::format_frame_range(present)));
+    notes_.push_back(fmt::format("{}: only frames {} are on disk{}; the filter starts anew after each gap",
+                                 pattern, io::format_frame_range(present),
+                                 notes_.empty() ? "" : " and whole"));
   }
   note_absent(asked, on_disk.complete, missing);
 }

@@ -135,6 +135,14 @@ TEST_F(Denoise, WritesEveryFrameOnDiskAndTellsOfGaps) {
   EXPECT_NE(outcome.err.find("only frames 1,2,5 are on disk"), std::string::npos) << outcome.err;
 }
 
+TEST_F(Denoise, ADamagedFrameIsToldToBeOnDisk) {
+  write_frames({1, 2, 3});
+  fs::resize_file(folder_ / "in.0002.exr", fs::file_size(folder_ / "in.0002.exr") - 200);
+  const Outcome outcome = becalm_done(command("out/a.####.exr", {"--missing", "skip"}));
+  EXPECT_NE(outcome.err.find("frame 2 is damaged or not whole yet"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("only frames 1,3 are on disk and whole;"), std::string::npos) << outcome.err;
+}
+
 TEST_F(Denoise, StepsAreNotGaps) {
   write_frames({1, 3, 5});
   const Outcome outcome = becalm_done(command("a.####.exr", {"--set", "smooth=none"}));
