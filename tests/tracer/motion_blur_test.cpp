@@ -236,6 +236,52 @@ TEST(MotionBlur, NormalsOfMovingMirroredAndStretchedObjects) {
   EXPECT_GT(hits, 200);
 }
 
+/// Two keys, four frames apart.
+std::string keys(const char* first, const std::string& from, const std::string& to) {
+  const double start = std::stod(first);
+  return "{'keys': [{'frame': " + std::to_string(start) + from + "}, {'frame': " + std::to_string(start + 4) +
+         to + "}]}";
+}
+
+TEST(MotionBlur, ProceduralSurfacesAreThoseInTheMiddleOfTheShutter) {
+  const auto depth = [](const std::string& shutter, const char* first_key, int number) {
+    Scene scene = load_text("{'film': {'width': 32, 'height': 16, " + std::string(kPointFilter) +
+                            R"(}, 'camera': {'fov_y_deg': 30, 'shutter': )" + shutter +
+                            R"(, 'look_at': {'eye': [0,3,4], 'target': [0,0,0]}},
+    'materials': {'black': {'type': 'diffuse', 'reflectance': 0}},
+    'meshes': {'sea': {'procedural': 'ocean', 'size': 20, 'wavelength': 2, 'wave_height': 0.4, 'time_s': )" +
+                            keys(first_key, ", 'value': 0", ", 'value': 4") +
+                            "}}, 'objects': [{'mesh': 'sea', 'material': 'black'}]}");
+    scene.at_frame(1);
+    const Frame frame = render_frame(scene, number, options(1, {Aov::depth})).value();
+    const auto data = frame.image(Aov::depth).data();
+    return std::vector<float>(data.begin(), data.end());
+  };
+  for (const int number : {1, 2}) {
+    const std::vector<float> open = depth("[0,1]", "0", number), middle = depth("[0,0]", "-0.5", number);
+    for (std::size_t i = 0; i < open.size(); ++i) ASSERT_NEAR(open[i], middle[i], 1e-4f) << number;
+  }
+}
+
+TEST(MotionBlur, CloudsAreThoseInTheMiddleOfTheShutter) {
+  const auto cloud = [](const std::string& shutter, const char* first_key, int number) {
+    Scene scene = load_text("{" + camera(shutter) + R"(, 'materials': {'air': {'type': 'interface'}},
+    'meshes': {'cube': {'shape': 'cube'}},
+    'media': {'cloud': {'type': 'cloud', 'extinction': 2, 'albedo': 0.5, 'resolution': [8,8,8], 'evolution': )" +
+                            keys(first_key, ", 'value': 0", ", 'value': 1") +
+                            R"(}},
+    'objects': [{'mesh': 'cube', 'material': 'air', 'interior': 'cloud', 'transform': )" +
+                            keys(first_key, "", ", 'translate': [2,0,0]") + "}]}");
+    scene.at_frame(1);
+    return std::get<GridMedium>(*scene.at_frame(number).object(0).interior);
+  };
+  for (const int number : {1, 2}) {
+    const GridMedium open = cloud("[0,1]", "0", number), middle = cloud("[0,0]", "-0.5", number);
+    EXPECT_EQ(open.baked_shape, middle.baked_shape) << number;
+    EXPECT_TRUE(open.world_to_voxels.equalWithAbsError(middle.world_to_voxels, 1e-5f)) << number;
+  }
+}
+
 TEST(MotionSteps, FollowTheCurveWithinAThousandth) {
   const Shutter shutter{-0.25, 0.75};
   const auto curve = [](std::vector<TransformCurve::Key> keys) {

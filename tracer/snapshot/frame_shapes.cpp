@@ -4,7 +4,7 @@
 
 namespace becalm::tracer {
 
-FrameShapes::FrameShapes(std::span<const Geometry> geometries, int frame) : geometries_(geometries) {
+FrameShapes::FrameShapes(std::span<const Geometry> geometries, double frame) : geometries_(geometries) {
   procedurals_.resize(std::ranges::count_if(
       geometries, [](const Geometry& g) { return std::holds_alternative<ProceduralDescription>(g); }));
   auto procedural = procedurals_.begin();
@@ -21,7 +21,7 @@ FrameShapes::FrameShapes(std::span<const Geometry> geometries, int frame) : geom
   }
 }
 
-std::vector<std::size_t> FrameShapes::set_frame(int frame) {
+std::vector<std::size_t> FrameShapes::set_frame(double frame) {
   std::vector<std::size_t> changed;
   auto procedural = procedurals_.begin();
   for (std::size_t i = 0; i < geometries_.size(); ++i) {

@@ -67,7 +67,7 @@ Place ObjectState::at(float time) const {
 Snapshot::Snapshot(const SceneDescription& description, int frame)
     : description_(&description),
       frame_(frame),
-      shapes_(description.meshes, frame),
+      shapes_(description.meshes, description.camera.shutter.at(frame, 0.5)),
       objects_(description.objects.size()) {
   check_camera(description, frame);
   std::vector<Placement> placements;
@@ -104,7 +104,7 @@ void Snapshot::set_frame(int frame) {
   const bool all = !std::exchange(whole_, false);
   bool moved = all, lights_changed = all;
   const Shutter& shutter = description_->camera.shutter;
-  for (const std::size_t geometry : shapes_.set_frame(frame)) {
+  for (const std::size_t geometry : shapes_.set_frame(shutter.at(frame, 0.5))) {
     intersector_->reshape(shapes_[geometry]);
     moved = true;
   }
@@ -143,7 +143,8 @@ void Snapshot::update_media(int frame) {
     if (!interior) continue;
     const Medium*& first = made[*interior];
     if (first != nullptr) *medium = *first;  // with its grid, which is not baked again
-    update_medium(description_->media[*interior], frame, objects_[i].exact.first(), *medium);
+    update_medium(description_->media[*interior], description_->camera.shutter.at(frame, 0.5),
+                  objects_[i].exact.at(0.5f), *medium);
     if (first == nullptr) first = &*medium;
     objects_[i].interior = &*medium++;
   }
