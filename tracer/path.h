@@ -121,9 +121,9 @@ class Path {
                     std::optional<Bsdf>& local, V3f& tangent);
   void bend_differential(const ObjectState& object, const Hit& hit, const V3f& normal,
                          const BsdfSample& scattered, const V3f& wi_world);
-  V3f transmission(Ray shadow, Interiors interiors, const V2f& u);
-  V3f visibility(const V3f& from, const V3f& position, const LightSample& light, const Interiors& interiors,
-                 const V2f& u);
+  V3f transmission(Ray shadow, float skipped, Interiors interiors, const V2f& u);
+  V3f visibility(const V3f& from, const V3f& position, float skipped, const LightSample& light,
+                 const Interiors& interiors, const V2f& u);
   bool survives_roulette(float u);
   void gather_direct_light(const ObjectState& object, std::uint32_t number, const ShadingVertex& vertex,
                            const LightNumbers& u);
@@ -139,6 +139,10 @@ class Path {
     if (context_.rays != nullptr) context_.rays->push_back({ray, true});
     return snapshot_.intersector().occluded(ray);
   }
+
+  /// Of a distance from where the ray left the surface: what is nearer than its origin happens there, since
+  /// rounding decides on which side of the surface that lies.
+  float beyond_origin(float t) const { return std::max(0.0f, t - skipped_); }
 
   /// By value where the object may move while the shutter is open.
   std::conditional_t<F.blur, Place, const Place&> place_of(const ObjectState& object) const {
@@ -189,6 +193,7 @@ class Path {
   Lights::Received previous_;     // what lights send there; where light sampling had a chance
   float material_pdf_ = 0.0f;     // of the ray's direction; 0 where light sampling had no chance
   Interiors interiors_;           // what the ray's origin lies in; only with media
+  float skipped_ = 0.0f;          // before the ray's origin, from the surface on; only with media
   float travelled_ = 0.0f;        // to the ray's origin from the last scattering, through interfaces
   int crossings_ = 0;             // of interfaces
   int depth_ = 0;                 // scattering events so far

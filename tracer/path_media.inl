@@ -9,6 +9,7 @@ bool Path<F>::cross_interface(const ObjectState& object, const Hit& hit, const S
   cross_boundary(interiors_, object, hit.object, ray_.dir, surface);
   travelled_ += hit.t;
   ray_.origin = offset_origin(surface, ray_.dir);
+  skipped_ = skipped_length(surface, ray_.dir);
   next_ray_seed();
   return true;
 }
@@ -45,6 +46,7 @@ bool Path<F>::scatter_in_medium(const Medium& medium, float t) {
     differential_ = becalm::tracer::scattered(differential_, scattered.wi, kScatteredSpread);
   }
   ray_.origin = position;
+  skipped_ = 0.0f;
   ray_.dir = scattered.wi;
   return survives_roulette(u_roulette);
 }
@@ -59,13 +61,14 @@ void Path<F>::gather_direct_light_in_medium(const V3f& position, float g, const 
   if (is_black(contribution)) return;
   if (integrator_.direct == Direct::mis && !light->delta)
     contribution *= mis_weight(integrator_.heuristic, light->pdf_solid_angle, phase);
-  gather(throughput_ * contribution * visibility(position, position, *light, interiors_, u.shadow),
+  gather(throughput_ * contribution * visibility(position, position, 0.0f, *light, interiors_, u.shadow),
          scatterings_ + 1, light->group);
 }
 
-/// Transmittance along the shadow ray, which starts inside `interiors`; 0 if it hits anything but interfaces.
+/// Transmittance along the shadow ray, which starts inside `interiors`, `skipped` beyond the surface that it
+/// leaves; 0 if it hits anything but interfaces.
 template <Features F>
-V3f Path<F>::transmission(Ray shadow, Interiors interiors, const V2f& u) {
+V3f Path<F>::transmission(Ray shadow, float skipped, Interiors interiors, const V2f& u) {
   MediumRandom random(u);
   const float length = shadow.dir.length();  // finite lights' directions reach from here to there
   shadow.dir /= length;
@@ -76,7 +79,9 @@ V3f Path<F>::transmission(Ray shadow, Interiors interiors, const V2f& u) {
     if (hit && !snapshot_.object(hit->object).material->is_interface) return V3f(0.0f);
     if (!interiors.empty()) {
       const Medium& medium = *snapshot_.object(interiors.innermost()).interior;
-      share *= transmittance(medium, shadow.origin, shadow.dir, hit ? hit->t : shadow.t_max, random);
+      const float t_max = hit ? hit->t : shadow.t_max;
+      share *=
+          transmittance(medium, shadow.origin - shadow.dir * skipped, shadow.dir, t_max + skipped, random);
       if (is_black(share)) return share;
     }
     if (!hit) return share;
@@ -84,6 +89,7 @@ V3f Path<F>::transmission(Ray shadow, Interiors interiors, const V2f& u) {
     const Surface surface = surface_of(object, *hit, object.mesh == nullptr ? footprint_at(hit->t) : 0.0f);
     cross_boundary(interiors, object, hit->object, shadow.dir, surface);
     shadow.origin = offset_origin(surface, shadow.dir);
+    skipped = skipped_length(surface, shadow.dir);
     shadow.t_max -= hit->t;
     shadow.seed += kRaySeedStep;
   }

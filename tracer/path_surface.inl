@@ -95,6 +95,7 @@ bool Path<F>::scatter(const ObjectState& object, const Hit& hit, Surface& surfac
 
   if (F.media && scattered->transmitted) cross_boundary(interiors_, object, hit.object, wi_world, surface);
   ray_.origin = offset_origin(surface, wi_world);
+  if constexpr (F.media) skipped_ = skipped_length(surface, wi_world);
   ray_.dir = wi_world;
   return survives_roulette(u_roulette);
 }
@@ -136,8 +137,10 @@ void Path<F>::gather_direct_light(const ObjectState& object, std::uint32_t numbe
   if (F.media && wi.z * vertex.wo.z < 0.0f)
     cross_boundary(interiors, object, number, light->dir_world, vertex.surface);
   const V3f from = offset_origin(vertex.surface, light->dir_world);
-  gather(throughput_ * contribution * visibility(from, receiver.position, *light, interiors, u.shadow),
-         scatterings_ + 1, light->group);
+  const float skipped = F.media ? skipped_length(vertex.surface, light->dir_world) : 0.0f;
+  gather(
+      throughput_ * contribution * visibility(from, receiver.position, skipped, *light, interiors, u.shadow),
+      scatterings_ + 1, light->group);
 }
 
 }  // namespace becalm::tracer

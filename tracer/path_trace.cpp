@@ -36,15 +36,16 @@ bool Path<F>::step() {
     MediumRandom random(sampler_.next_2d());
     if (!interiors_.empty()) {
       const Medium& medium = *snapshot_.object(interiors_.innermost()).interior;
-      const float t_max = hit ? hit->t : kInfinity;
-      const MediumSample event = sample_distance(medium, ray_.origin, ray_.dir, t_max, random, throughput_);
+      const V3f entry = ray_.origin - ray_.dir * skipped_;
+      const float t_max = hit ? hit->t + skipped_ : kInfinity;
+      const MediumSample event = sample_distance(medium, entry, ray_.dir, t_max, random, throughput_);
       if (depth_ == 0 && !result_.covered) {
         // The radiance passes by its share, without noise; only what the eye meets first is drawn.
         if (const std::optional<float> t = sample_absorption(medium, t_max, random, throughput_))
-          see_primary_medium(*t);
+          see_primary_medium(beyond_origin(*t));
       }
       throughput_ *= event.weight;
-      if (event.scattered) return scatter_in_medium(medium, event.t);
+      if (event.scattered) return scatter_in_medium(medium, beyond_origin(event.t));
       if (is_black(throughput_)) {  // too deep for any light to pass
         result_.covered = result_.covered || depth_ == 0;
         if (F.guides && scatterings_ == 0) result_.guides.albedo = V3f(0.0f);
@@ -117,9 +118,10 @@ bool Path<F>::survives_roulette(float u) {
   return true;
 }
 
-/// Share of the light sample's radiance that arrives at `from`, which is `position` off its surface.
+/// Share of the light sample's radiance that arrives at `from`, which is `position` off its surface: by
+/// `skipped` along the way to the light.
 template <Features F>
-V3f Path<F>::visibility(const V3f& from, const V3f& position, const LightSample& light,
+V3f Path<F>::visibility(const V3f& from, const V3f& position, float skipped, const LightSample& light,
                         const Interiors& interiors, const V2f& u) {
   next_ray_seed();
   Ray shadow = ray_;
@@ -133,7 +135,7 @@ V3f Path<F>::visibility(const V3f& from, const V3f& position, const LightSample&
     const float size = std::max(light.extent, largest_coordinate(from));
     shadow.t_max = light.delta ? 1.0f : 1.0f - kShadowShortening - size * 0x1p-18f / light.distance;
   }
-  if constexpr (F.media) return transmission(shadow, interiors, u);
+  if constexpr (F.media) return transmission(shadow, skipped, interiors, u);
   return shadow.t_max > 0.0f && occluded(shadow) ? V3f(0.0f) : V3f(1.0f);
 }
 

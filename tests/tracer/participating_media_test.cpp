@@ -56,6 +56,33 @@ TEST(Media, AbsorbTheBackgroundAsBeerAndLambertSay) {
   }
 }
 
+TEST(Media, AbsorbByTheirWholeThickness) {
+  // Rays start off a surface by more than rounding errors, which is a tenth of this sheet.
+  for (const char* material : {"air", "still"}) {
+    for (const char* eye : {"[100,0,20]", "[112,0,9]"}) {
+      const double cosine = eye[3] == '0' ? 1.0 : 0.6;
+      const std::string look_at = "'eye': " + std::string(eye) + ", 'target': [100,0,0]";
+      const V3f seen = mean_color(
+          scene("'max_depth': 8", look_at, "'dark': {'type': 'homogeneous', 'extinction': 1e3, 'albedo': 0}",
+                "{'mesh': 'box', 'interior': 'dark', 'material': '" + std::string(material) +
+                    "', 'transform': {'scale': [9,9,0.5e-3], 'translate': [100,0,0]}}"));
+      expect_near(seen, V3f(static_cast<float>(std::exp(-1.0 / cosine))), 1e-2f);
+    }
+  }
+  // The same for light on its way to a floor below the sheet, which hides the lamp from nothing else.
+  const auto lit = [](const std::string& sheet) {
+    return mean_color(scene(
+        "'max_depth': 1", "'eye': [102,0.5,0], 'target': [100,0,0]",
+        "'dark': {'type': 'homogeneous', 'extinction': 1e3, 'albedo': 0}",
+        "{'mesh': 'plane', 'material': 'white', 'transform': {'scale': 5, 'translate': [100,0,0]}}" + sheet,
+        "'lights': {'lamp': {'type': 'point', 'position': [100,4,0], 'intensity': 5}}, "));
+  };
+  expect_near(lit(", {'mesh': 'box', 'material': 'air', 'interior': 'dark', 'transform': {'scale': "
+                  "[9,0.5e-3,9], 'translate': [100,2,0]}}") /
+                  lit(""),
+              V3f(static_cast<float>(std::exp(-1.0))), 1e-2f);
+}
+
 TEST(Media, AbsorbDirectLight) {
   // A lamp straight above the floor, and a slab between them; the camera looks in from below the slab.
   const auto lit = [](const std::string& slab) {
