@@ -4,7 +4,8 @@
 #include <cmath>
 
 #include "tests/tracer/estimates.h"
-#include "tracer/scene/transform.h"
+#include "tracer/camera.h"
+#include "tracer/snapshot/snapshot.h"
 
 namespace becalm::tracer::test {
 namespace {
@@ -104,6 +105,50 @@ TEST(Procedurals, FlatOnesCarryImagesAsTheRectangleDoes) {
           std::abs(procedural.image(Aov::albedo).data()[i] - rectangle.image(Aov::albedo).data()[i]) > 0.03f;
     }
     EXPECT_LT(different, 20) << "of 768 values of " << mesh;
+  }
+}
+
+TEST(Procedurals, MotionIsThatOfTheHeights) {
+  const struct {
+    const char* mesh;
+    double least_px;  ///< the longest motion is at least this long
+  } fields[] = {
+      {"'procedural': 'ocean', 'size': 10, 'wavelength': 2, 'wave_height': 0.3, "
+       "'time_s': {'keys': [{'frame': 1, 'value': 0}, {'frame': 3, 'value': 0.3}]}",
+       1.0},
+      {"'procedural': 'terrain', 'size': 10, 'resolution': 256, "
+       "'height': {'keys': [{'frame': 1, 'value': 1}, {'frame': 3, 'value': 2}]}",
+       1.0},
+      {"'procedural': 'blobs', 'time_s': {'keys': [{'frame': 1, 'value': 0}, {'frame': 3, 'value': 1}]}",
+       0.0}};
+  const Camera camera({{0, 3, 9}, {0, 0, 0}, {0, 1, 0}}, 30.0, 48, 32);
+  for (const auto& [mesh, least_px] : fields) {
+    std::string json = under_the_sky(mesh, "white", "'max_depth': 1", "'eye': [0,3,9], 'target': [0,0,0]");
+    json.replace(json.find("'height': 32"), 12, "'height': 32, " + std::string(kPointFilter));
+    Scene scene = load_text(json);
+    const auto frame_of = [&](int number) {
+      return render_frame(scene, number, options(1, {Aov::depth, Aov::motion})).value();
+    };
+    const Frame frame = frame_of(2), still = frame_of(5);
+    Procedural before;
+    update(std::get<ProceduralDescription>(scene.description().meshes[0]), 1.0, before);
+    double longest = 0.0;
+    for (int y = 0; y < 32; ++y) {
+      for (int x = 0; x < 48; ++x) {
+        EXPECT_EQ(V2f(still.image(Aov::motion).at(x, y, 0), still.image(Aov::motion).at(x, y, 1)), V2f(0.0f))
+            << "nothing moves: exactly none";
+        const float depth = frame.image(Aov::depth).at(x, y, 0);
+        if (!std::isfinite(depth)) continue;
+        const V2d at(x + 0.5, y + 0.5);
+        V3d p = V3d(camera.eye()) + camera.direction(V2f(at)).normalized() * static_cast<double>(depth);
+        if (least_px > 0.0) p.y = point(before, V3f(p)).position.y;
+        const V2d expected = *camera.project(p) - at;
+        EXPECT_NEAR(frame.image(Aov::motion).at(x, y, 0), expected.x, 2e-3) << mesh;
+        EXPECT_NEAR(frame.image(Aov::motion).at(x, y, 1), expected.y, 2e-3) << mesh;
+        longest = std::max(longest, expected.length());
+      }
+    }
+    EXPECT_GE(longest, least_px) << mesh;
   }
 }
 

@@ -34,6 +34,7 @@ class Blobs {
   Imath::Box3f bounds() const;
   std::optional<float> intersect(const V3f& origin, const V3f& dir, float t_min, float t_max) const;
   ProceduralPoint point(const V3f& p, float footprint) const;
+  V3f point_before(const V3f& p) const { return p; }
   std::size_t bytes() const { return 0; }
 
   /// For tests: centre of the i-th ball in object space.

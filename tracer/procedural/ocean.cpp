@@ -107,6 +107,7 @@ class TrainsAlongRay {
 
 bool Ocean::update(const OceanDescription& description, double frame) {
   const WaveTrains trains = make_wave_trains(description, frame);
+  trains_before_ = make_wave_trains(description, frame - 1.0);
   const auto same = [&](const float* a, const float* b) { return std::equal(a, a + trains.count, b); };
   if (pyramid_.resolution() > 0 && description.size == size_ && trains.count == trains_.count &&
       same(trains.kx, trains_.kx) && same(trains.kz, trains_.kz) && same(trains.phase, trains_.phase) &&
@@ -203,9 +204,18 @@ std::optional<float> Ocean::intersect(const V3f& origin, const V3f& dir, float t
   return ray->outer_t(*t);
 }
 
+float Ocean::unit(float v) const {
+  return std::clamp(static_cast<float>(v / size_ + 0.5), 0.0f, 1.0f);
+}
+
+V3f Ocean::point_before(const V3f& p) const {
+  const float x = unit(p.x), z = unit(p.z);
+  const float rise = water_at(trains_, x, z).height - water_at(trains_before_, x, z).height;
+  return {p.x, p.y - rise * static_cast<float>(size_), p.z};
+}
+
 ProceduralPoint Ocean::point(const V3f& p, float footprint) const {
   const float size = static_cast<float>(size_);
-  const auto unit = [this](float v) { return std::clamp(static_cast<float>(v / size_ + 0.5), 0.0f, 1.0f); };
   const float x = unit(p.x), z = unit(p.z);
   const HeightSlope water = water_at(trains_, x, z);
   HeightSlope seen = water;

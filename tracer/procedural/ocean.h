@@ -38,14 +38,18 @@ class Ocean {
   Imath::Box3f bounds() const;
   std::optional<float> intersect(const V3f& origin, const V3f& dir, float t_min, float t_max) const;
   ProceduralPoint point(const V3f& p, float footprint) const;
+  V3f point_before(const V3f& p) const;
   std::size_t bytes() const { return pyramid_.bytes(); }
 
  private:
   void bake_ranges(int resolution);
   Imath::Box3f unit_bounds() const;
+  /// From object space to [0,1] along a side.
+  float unit(float v) const;
 
   double size_ = 1.0;
   WaveTrains trains_;
+  WaveTrains trains_before_;  ///< a frame before
   HeightPyramid pyramid_;
 };
 

@@ -47,6 +47,10 @@ ProceduralPoint point(const Procedural& procedural, const V3f& p, float footprin
   return std::visit([&](const auto& field) { return field.point(p, footprint); }, procedural);
 }
 
+V3f point_before(const Procedural& procedural, const V3f& p) {
+  return std::visit([&](const auto& field) { return field.point_before(p); }, procedural);
+}
+
 std::size_t bytes(const Procedural& procedural) {
   return std::visit([](const auto& field) { return field.bytes(); }, procedural);
 }

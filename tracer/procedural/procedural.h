@@ -27,6 +27,10 @@ std::optional<float> intersect(const Procedural& procedural, const V3f& origin, 
 /// gradient for blobs. `footprint` is the length, in object units, that the normal is averaged over.
 ProceduralPoint point(const Procedural& procedural, const V3f& p, float footprint = 0.0f);
 
+/// Where the point `p` of the surface was a frame before. Points of height fields go up and down, with the
+/// waves or with the terrain's height (not its erosion). Blobs have no points to follow: they stay.
+V3f point_before(const Procedural& procedural, const V3f& p);
+
 /// Memory held beyond the object itself.
 std::size_t bytes(const Procedural& procedural);
 

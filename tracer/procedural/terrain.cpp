@@ -23,7 +23,11 @@ void for_rows(int first, int last, const Body& body) {
 }  // namespace
 
 bool Terrain::update(const TerrainDescription& description, double frame) {
-  const float scale = static_cast<float>(description.height.at(frame)[0] / description.size);
+  const auto scale_at = [&](double at) {
+    return static_cast<float>(description.height.at(at)[0] / description.size);
+  };
+  const float scale = scale_at(frame);
+  scale_before_ = scale_at(frame - 1.0);
   const TerrainShape shape{description.seed, static_cast<float>(description.mountains), description.octaves,
                            static_cast<float>(description.erosion.at(frame)[0]), description.resolution};
   const bool same_noise = !levels_.empty() && shape == shape_;
@@ -208,6 +212,10 @@ ProceduralPoint Terrain::point(const V3f& p, float footprint) const {
   const float variance = scale_ * scale_ * std::max(slope.squared_slope - own, 0.0f);
   return {V3f(p.x, height * size, p.z), V3f(-sx, 1.0f, -sz).normalized(), V2f(x, 1.0f - z),
           8.0f * tolerance_ * size, variance};
+}
+
+V3f Terrain::point_before(const V3f& p) const {
+  return {p.x, scale_ > 0.0f ? p.y * (scale_before_ / scale_) : p.y, p.z};
 }
 
 std::size_t Terrain::bytes() const {

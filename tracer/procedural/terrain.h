@@ -24,6 +24,7 @@ class Terrain {
   Imath::Box3f bounds() const;
   std::optional<float> intersect(const V3f& origin, const V3f& dir, float t_min, float t_max) const;
   ProceduralPoint point(const V3f& p, float footprint) const;
+  V3f point_before(const V3f& p) const;
   std::size_t bytes() const;
 
  private:
@@ -50,7 +51,8 @@ class Terrain {
   Averaged averaged_at(float x, float z, float footprint) const;
 
   double size_ = 1.0;
-  float scale_ = 0.0f;  ///< height in sizes
+  float scale_ = 0.0f;         ///< height in sizes
+  float scale_before_ = 0.0f;  ///< a frame before
   float tolerance_ = 0.0f;
   TerrainShape shape_{};
   std::vector<Level> levels_;  ///< finest first

@@ -148,8 +148,10 @@ Surface surface_at(const ObjectState& object, const Place& place, const Hit& hit
 
 PointMotion point_motion(const ObjectState& object, const Hit& hit, float time) {
   const V3d point = local_position(object, hit);
+  const Procedural* procedural = procedural_of(object.shape);
+  const V3d previous = procedural != nullptr ? V3d(point_before(*procedural, hit.local)) : point;
   return {transform_point(point, object.exact.at(time)),
-          transform_point(point, object.exact_previous.at(time))};
+          transform_point(previous, object.exact_previous.at(time))};
 }
 
 }  // namespace becalm::tracer
