@@ -52,6 +52,13 @@ TEST(NoisyAlpha, CleanMattesAreNot) {
   EXPECT_EQ(count_noisy(with_alpha(stars)), 0);
 }
 
+TEST(NoisyAlpha, ThinLinesInAnyDirectionAreNot) {
+  for (const auto& [dx, dy] : {std::pair{1, 0}, {0, 1}, {1, 1}, {1, -1}}) {
+    const auto lines = [&](int x, int y) { return (dy * x - dx * y + 7 * kSize) % 7 == 0 ? 1.0f : 0.0f; };
+    EXPECT_EQ(count_noisy(with_alpha(lines)), 0) << dx << "," << dy;
+  }
+}
+
 TEST(NoisyAlpha, BlurOfFewSamplesIs) {
   for (const int samples : {4, 8, 16}) {
     const Image beauty = blurred(samples);

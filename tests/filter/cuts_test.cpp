@@ -140,6 +140,17 @@ TEST(Cuts, WithoutGuidesTheLuminanceShowsThem) {
   EXPECT_TRUE(cut_between(make_frame(0, 3), dark_above, {}));
 }
 
+TEST(Cuts, RadianceBeyondFloatsIsBright) {
+  Frame black(1, 32, 32);
+  black.add(Aov::beauty);
+  Frame blown = black;
+  std::ranges::fill(blown.image(Aov::beauty).data(), INFINITY);
+  EXPECT_TRUE(cut_between(black, blown));
+  Frame lit = black;
+  std::ranges::fill(lit.image(Aov::beauty).data(), 1e30f);
+  EXPECT_FALSE(is_cut(shot_signature(lit, {}, 1.0f), shot_signature(blown, {}, 1.0f)));
+}
+
 TEST(Cuts, PixelsThatAreNotFiniteAndTinyImagesAreTaken) {
   Frame bad = make_frame(0, 3, 1.0, 2);
   for (int x = 0; x < 240; ++x) bad.image(Aov::beauty).at(x, 7, 1) = x % 2 == 0 ? NAN : INFINITY;

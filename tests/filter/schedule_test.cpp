@@ -127,6 +127,13 @@ TEST(Schedule, StartsAnewAtGapsAndCutsInBothDirections) {
   EXPECT_EQ(text(on_twos.at(0)), "|<5* <3* <1* |>1* >3* >5*");
 }
 
+TEST(Schedule, OneMissingFrameIsAGap) {
+  const std::vector<int> present{1, 2, 4, 5};
+  const auto segments = schedule(present, {1, 2, 4, 5}, {.segment = 32, .warmup = 8});
+  ASSERT_EQ(segments.size(), 1u);
+  EXPECT_EQ(text(segments[0]), "|<5* <4* |<2* <1* |>1* >2* |>4* >5*");
+}
+
 TEST(Schedule, LeavesOutWhatNothingWantedDependsOn) {
   const auto segments = schedule(range(0, 31), {16}, {.segment = 32, .warmup = 8, .cuts = {10, 20}});
   ASSERT_EQ(segments.size(), 1u);
