@@ -143,6 +143,14 @@ TEST(HostImages, ExposureBringsTheTypicalLuminanceToOne) {
   EXPECT_GT(exposure(image), 1e10f);
 }
 
+TEST(HostImages, TracesOfLightDoNotMoveTheExposure) {
+  Image image(4, 4, 4, 0.5f);
+  for (int x = 0; x < 4; ++x) {
+    for (int y = 0; y < 2; ++y) std::ranges::fill(image.pixel(x, y).first(3), 1e-8f);
+  }
+  EXPECT_NEAR(exposure(image), 2.0f, 1e-5f);
+}
+
 TEST(RadianceScale, IsThatOfTheLuminancesThatCount) {
   const auto scale = [](float radiance, float other = 0.0f, int others = 0) {
     Frame frame(1, 64, 64);
@@ -189,6 +197,29 @@ TEST(RadianceScale, VarianceBeyondTheRangeComesFromTheHalvesOrTheRadiance) {
   EXPECT_TRUE(std::isnan(scaled(0x1p-80f, std::nanf(""), true)));
 }
 
+TEST(RadianceScale, AllThatIsRadianceScalesAndAlphaDoesNot) {
+  Frame frame(1, 1, 1);
+  const std::vector<Aov> radiances{Aov::beauty,   Aov::half_a, Aov::half_b,     Aov::direct,
+                                   Aov::indirect, Aov::bias,   Aov::accumulated};
+  const std::vector<Aov> squares{Aov::variance, Aov::remaining_variance, Aov::accumulated_variance};
+  for (const Aov aov : radiances) frame.add(aov, 0x1p-60f);
+  for (const Aov aov : squares) frame.add(aov, 0x1p-120f);
+  frame.image(Aov::beauty).at(0, 0, 3) = 0.75f;
+  frame.light_groups().push_back({"key", Image(1, 1, 3, 0x1p-60f)});
+  Frame scaled = frame;
+  scale_radiance(scaled, 0x1p80f);
+  for (const Aov aov : radiances) EXPECT_EQ(scaled.image(aov).data()[0], 0x1p20f) << info(aov).name;
+  for (const Aov aov : squares) EXPECT_EQ(scaled.image(aov).data()[0], 0x1p40f) << info(aov).name;
+  EXPECT_EQ(scaled.light_groups()[0].radiance.at(0, 0, 2), 0x1p20f);
+  EXPECT_EQ(scaled.image(Aov::beauty).at(0, 0, 3), 0.75f);
+  scale_radiance_back(scaled, 0x1p80f, frame);
+  for (const AovInfo& entry : kAovTable) {
+    EXPECT_TRUE(std::ranges::equal(scaled.image(entry.aov).data(), frame.image(entry.aov).data()))
+        << entry.name;
+  }
+  EXPECT_EQ(scaled.light_groups()[0].radiance.at(0, 0, 1), 0x1p-60f);
+}
+
 TEST(RadianceScale, FaultyPixelsComeBackAsTheyWere) {
   Frame frame(1, 2, 1);
   frame.add(Aov::beauty, 1e-30f);
@@ -228,6 +259,32 @@ TEST(HostImages, HolesAreFilledFromTheirNeighbours) {
   EXPECT_EQ(packed[7], 3.0f);
 }
 
+TEST(HostImages, HolesAreFilledFromEverySide) {
+  for (int hole = 0; hole < 9; ++hole) {
+    Image image(3, 3, 4);
+    for (int i = 0; i < 9; ++i) std::ranges::fill(image.pixel(i % 3, i / 3), static_cast<float>(1 << i));
+    image.at(hole % 3, hole / 3, 2) = INFINITY;
+    int sum = 0, count = 0;
+    for (int i = 0; i < 9; ++i) {
+      if (i == hole || std::abs(i % 3 - hole % 3) > 1 || std::abs(i / 3 - hole / 3) > 1) continue;
+      sum += 1 << i;
+      ++count;
+    }
+    std::vector<float> packed(36);
+    pack_color(image, finite_pixels(image), {0, 0, 3, 3}, packed);
+    EXPECT_FLOAT_EQ(packed[4 * hole], static_cast<float>(sum) / static_cast<float>(count)) << hole;
+  }
+}
+
+TEST(HostImages, TheUsualDepthIsThatOfSurfaces) {
+  Frame frame(1, 5, 1);
+  Image& depth = frame.add(Aov::depth);
+  std::ranges::copy(std::vector{4.0f, 9.0f, 1e10f, INFINITY, NAN}, depth.data().begin());
+  AovSet used;
+  used.set(static_cast<std::size_t>(Aov::depth));
+  EXPECT_FLOAT_EQ(typical_depth(frame, used), 6.0f);
+}
+
 TEST(HostImages, HolesBetweenTheBrightestPixelsAreFinite) {
   constexpr float largest = std::numeric_limits<float>::max();
   Image image(3, 1, 4, largest);
@@ -235,6 +292,23 @@ TEST(HostImages, HolesBetweenTheBrightestPixelsAreFinite) {
   std::vector<float> packed(12);
   pack_color(image, finite_pixels(image), {0, 0, 3, 1}, packed);
   EXPECT_EQ(packed, std::vector<float>(12, largest));
+}
+
+TEST(HostImages, NormalsOfAnyLengthAreLimited) {
+  Frame frame(1, 1, 1);
+  frame.add(Aov::beauty);
+  std::ranges::copy(std::vector{1e30f, -7.0f, 0.5f}, frame.add(Aov::normal).data().begin());
+  const NewFrame with_normal{.frame = frame,
+                             .finite = {1},
+                             .exposure = 1.0f,
+                             .usual_depth = 1.0f,
+                             .noise_ratio = 1.0f,
+                             .additive = {}};
+  AovSet used;
+  used.set(static_cast<std::size_t>(Aov::normal));
+  std::vector<float> albedo_depth(4), normal(4);
+  pack_features(with_normal, used, {0, 0, 1, 1}, albedo_depth, normal);
+  EXPECT_EQ(normal, (std::vector{1.0f, -1.0f, 0.5f, 0.0f}));
 }
 
 TEST(HostImages, GuidesTellTheSixAxesApart) {

@@ -66,6 +66,17 @@ TEST(Tiles, CoverTheFrameOnceAndSeeWhatTheyNeed) {
   }
 }
 
+TEST(Tiles, OfAnySizeSeeWhatTheyNeed) {
+  constexpr Extent frame{403, 577};
+  for (int width = frame.width % kRules.grid; width < frame.width; width += kRules.grid) {
+    for (int height = frame.height % kRules.grid; height < frame.height; height += kRules.grid) {
+      SCOPED_TRACE(std::to_string(width) + "x" + std::to_string(height));
+      const std::vector<Tile> tiles = cut_tiles(frame, {width, height}, kRules);
+      if (!tiles.empty()) expect_rules_kept(tiles, frame, kRules);
+    }
+  }
+}
+
 TEST(Tiles, ThatWouldBeHardlyMoreThanSurroundingsAreNotCut) {
   // 30 px before a core, 35 px after it and up to 63 px more to a multiple of the grid leave less than 64.
   EXPECT_TRUE(cut_tiles({1003, 777}, {107, 777}, kRules).empty());
