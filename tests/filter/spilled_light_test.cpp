@@ -156,5 +156,30 @@ TEST_F(SpilledLightTest, BlurredEdgesKeepTheirLightAndTheirGapsAreBlack) {
   }
 }
 
+TEST_F(SpilledLightTest, TheVarianceGrowsByTheSquareOfTheLight) {
+  const Frame with_matte = blurred_disc();
+  Frame opaque = with_matte;
+  Image& beauty = opaque.image(Aov::beauty);
+  for (std::size_t i = 0; i < beauty.pixel_count(); ++i) beauty.data()[4 * i + 3] = 1.0f;
+  Settings settings = preset("draft");
+  const auto denoised = [&](const Frame& frame) {
+    SequenceFilter filter(device(), settings, kWidth, kHeight, frame.aovs());
+    return denoise_frame(filter, frame).frame;
+  };
+  const Frame grown = denoised(with_matte), before = denoised(opaque);
+  int larger = 0;
+  for (std::size_t i = 0; i < beauty.pixel_count(); ++i) {
+    if (with_matte.image(Aov::beauty).data()[4 * i + 3] == 0.0f) continue;
+    const double light = grown.image(Aov::beauty).data()[4 * i + 1];
+    const double factor = light / before.image(Aov::beauty).data()[4 * i + 1];
+    if (!(factor > 1.05)) continue;
+    ++larger;
+    const double of_variance =
+        grown.image(Aov::variance).data()[3 * i] / before.image(Aov::variance).data()[3 * i];
+    EXPECT_NEAR(of_variance / (factor * factor), 1.0, 1e-3) << i;
+  }
+  EXPECT_GT(larger, 20);
+}
+
 }  // namespace
 }  // namespace becalm::filter::spilled_light_test
