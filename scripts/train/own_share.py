@@ -35,8 +35,9 @@ OUTLIER = 4.0  # squared difference, over that of the patch, from which a pixel 
 LARGEST_PATCH = 100.0  # that a patch counts for then
 LEAST_OF_PATCH = 0.1  # of a patch's mean variance that a pixel has at least; this and the next as difference.comp has them
 LARGEST_LEAST = 0.05  # what that is at most
-LOST_RADIUS = 7  # of the patches over which a loss of detail is told; this and the next two as share.comp has them
-SIGNIFICANCE = 2.0  # of a loss of detail, in standard errors
+LOST_RADIUS = 7  # of the patches over which a loss of detail is told; this and the next three as share.comp has them
+UNSURE = 0.25  # what a patch's variance may be wrong by, over it
+SIGNIFICANCE = 3.0  # of a loss of detail, in standard errors
 CERTAIN = 16.0  # standard deviations by which a pixel's difference is no noise
 FARTHEST_SURFACE = 1.99  # packed depth; as surface.glsl has it
 FRAMES = 3  # a step
@@ -90,8 +91,9 @@ def with_detail(merged, error, noisy, variance, surface):
     sums = sums_of_alike(torch.cat([excess, excess.square(), noise, torch.ones_like(noise)], 1), surface)
     count = sums[:, 3:].clamp(min=1.0)
     mean_excess, squared_excess, mean_noise = (sums[:, :3] / count).clamp(min=0.0).split(1, 1)
+    sure = (mean_excess - UNSURE * mean_noise).clamp(min=0.0)
     uncertain = SIGNIFICANCE**2 * squared_excess / count
-    detail = (mean_excess - uncertain / mean_excess.clamp(min=1e-20)).clamp(min=0.0)
+    detail = (sure - uncertain / sure.clamp(min=1e-20)).clamp(min=0.0)
     most = torch.maximum(noise, mean_noise)
     certain = square > CERTAIN**2 * most
     share = lambda excess, rest: torch.where(excess > 0, excess / (excess + rest).clamp(min=1e-30), torch.zeros_like(excess))

@@ -96,6 +96,7 @@ class Shots(unittest.TestCase):
             (own_share.LEAST_INPUT, "shaders/smooth/own_share.comp", "kLeastInput"),
             (own_share.LEAST_OF_PATCH, "shaders/smooth/difference.comp", "kLeastOfPatch"),
             (own_share.LARGEST_LEAST, "shaders/smooth/difference.comp", "kLargestLeast"),
+            (own_share.UNSURE, "shaders/smooth/share.comp", "kUnsure"),
             (own_share.SIGNIFICANCE, "shaders/smooth/share.comp", "kSignificance"),
             (own_share.CERTAIN, "shaders/smooth/share.comp", "kCertain"),
             (own_share.FARTHEST_SURFACE, "shaders/lib/surface.glsl", "kFarthestSurface"),
