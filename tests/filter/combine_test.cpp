@@ -172,6 +172,19 @@ TEST_P(CombineTest, WhatOnlyOneKnowsIsLeftAsItIs) {
   }
 }
 
+TEST_P(CombineTest, AHoleAmongExactPixelsIsFilledByTheOther) {
+  Pixels forward = random_pixels(1);
+  for (Pixel& pixel : forward) pixel.variance = 0.0f;
+  Pixels backward = random_pixels(2);
+  constexpr std::size_t hole = 9 * kWidth + 12, other_hole = 20 * kWidth + 30;
+  forward[hole] = {.color = {NAN, INFINITY, -1e30f, NAN}};
+  backward[other_hole] = forward[hole];
+  const Pixels found = combine(forward, backward);
+  EXPECT_EQ(found[hole].color, backward[hole].color);
+  EXPECT_EQ(found[hole].count, backward[hole].count);
+  EXPECT_EQ(found[other_hole].color, forward[other_hole].color);
+}
+
 TEST_P(CombineTest, ExactEstimatesGiveTheForwardOne) {
   Pixels f = random_pixels(1);
   Pixels b = random_pixels(2);

@@ -390,6 +390,15 @@ TEST_F(EstimateVarianceTest, WithoutAlbedoALonePixelIsAllNoise) {
   EXPECT_NEAR(estimate(frame, KnowsAlbedo::no).data[0], 14.0 / 3, 1e-5);
 }
 
+TEST_F(EstimateVarianceTest, WithoutAlbedoTwoPixelsDifferByTwiceTheNoise) {
+  for (const auto& [width, height] : {std::pair(2, 1), std::pair(1, 2)}) {
+    Grid<Pixel> frame(width, height);
+    frame.data[0].color = {1, 2, 3};
+    for (const double variance : estimate(frame, KnowsAlbedo::no).data)
+      EXPECT_NEAR(variance, 14.0 / 3 / 2, 1e-5) << width;
+  }
+}
+
 TEST_F(EstimateVarianceTest, IsFiniteForTheSmallestAndTheBrightest) {
   for (const auto& [width, height] : {std::pair(1, 1), std::pair(3, 4), std::pair(2, 1), std::pair(1, 9)}) {
     for (const double value : {0.0, 1e-30, 1e30, -1e30, 3e38}) {
