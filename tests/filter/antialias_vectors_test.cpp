@@ -121,6 +121,19 @@ TEST_F(AntialiasVectorsTest, WhereTheMaskTakesNoHistoryItTakesNoPrediction) {
   for (const float count : result.image(Aov::sample_count).data()) ASSERT_NEAR(count, 1.0f, 1e-3f);
 }
 
+TEST_F(AntialiasVectorsTest, PixelsThatAreNotFiniteAddNothingToTheHistory) {
+  Frame first = even(0, 0.5f, 0.0f);
+  first.image(Aov::beauty).at(20, 10, 1) = kUnknown;
+  for (const char* accumulate : {"accumulate=exponential", "accumulate=gain", "accumulate=variance"}) {
+    AntialiasFilter filter(device(), with({"reproject=vectors", "reconstruct=no", accumulate}), kWidth,
+                           kHeight, first.aovs(), telling(Aov::sample_count));
+    EXPECT_EQ(run(filter, first).image(Aov::sample_count).at(20, 10, 0), 0.0f) << accumulate;
+    const float before = run(filter, even(1, 0.5f, 0.0f)).image(Aov::sample_count).at(20, 10, 0);
+    EXPECT_EQ(before, 1.0f) << accumulate;
+    EXPECT_EQ(run(filter, first).image(Aov::sample_count).at(20, 10, 0), before) << accumulate;
+  }
+}
+
 TEST_F(AntialiasVectorsTest, TheBiasThatIsToldIsARadiance) {
   const auto bias_of = [](float light) {
     AntialiasFilter filter(device(), with({"reproject=vectors"}), kWidth, kHeight, even(0, 1.0f, 0.0f).aovs(),

@@ -185,6 +185,21 @@ TEST_P(VarianceGainTest, AgreesWithTheReference) {
   }
 }
 
+TEST_F(MergeTest, ALoneDarkPixelRejectsItsHistoryAndABrightOneDoesNot) {
+  Settings settings = of_noisy_frames();
+  settings.smooth = Smooth::frames;
+  MergeOnDevice merge(device(), settings);
+  Grid<Estimate> sample(kWidth, kHeight);
+  for (Estimate& e : sample.data) e = {.color = {1, 1, 1, 1}, .variance = 1e-4, .count = 1.0};
+  const Grid<Vec2> still(kWidth, kHeight);
+  merge.run(sample, still);
+  sample.at(12, 20).color = {0.1, 0.1, 0.1, 1};
+  sample.at(40, 20).color = {1.9, 1.9, 1.9, 1};
+  const reference::Merged found = merge.run(sample, still);
+  EXPECT_GT(found.rejected.at(12, 20), 0.95);
+  EXPECT_EQ(found.rejected.at(40, 20), 0.0);
+}
+
 TEST_F(MergeTest, AFireflyHasNoPartInItsOwnWeight) {
   const Settings settings = of_noisy_frames();
   MergeOnDevice merge(device(), settings);
