@@ -58,16 +58,18 @@ void scale_variance(Frame& frame, float scale) {
   }
 }
 
-bool is_finite(std::span<const float> pixel) {
-  return std::ranges::all_of(pixel.first(3), [](float value) { return std::isfinite(value); });
+bool is_finite(std::span<const float> values) {
+  return std::ranges::all_of(values, [](float value) { return std::isfinite(value); });
 }
 
 /// Pixels that are not finite, from an image of the same size; nothing from an empty one. Alpha stays.
 void restore_faulty_pixels(const Image& from, Image& to) {
   if (from.empty() || to.empty()) return;
+  const std::size_t count = std::min(3, to.channels());
   for (int y = 0; y < to.height(); ++y) {
     for (int x = 0; x < to.width(); ++x) {
-      if (!is_finite(to.pixel(x, y))) std::ranges::copy(from.pixel(x, y).first(3), to.pixel(x, y).begin());
+      if (!is_finite(to.pixel(x, y).first(count)))
+        std::ranges::copy(from.pixel(x, y).first(count), to.pixel(x, y).begin());
     }
   }
 }
