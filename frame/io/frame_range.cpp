@@ -115,7 +115,7 @@ std::string format_frame_range(const std::vector<int>& frames, int step) {
   const bool is_even = std::ranges::all_of(
       frames, [&](int frame) { return (std::int64_t{frame} - frames.front()) % step == 0; });
   if (step == 1 || !is_even) {
-    const std::string text = format_frame_range(frames);
+    std::string text = format_frame_range(frames);
     if (frame_range_step(text) == 1) return text;
     return fmt::format("{},{}", frames.front(), format_frame_range({frames.begin() + 1, frames.end()}));
   }
