@@ -50,7 +50,7 @@ void ComparedSequence::choose_layer(const std::vector<int>& frames) {
   for (const int frame : frames) files.push_back({frame, pattern_.path(frame)});
   const std::optional<NoisyImage> noisy = take_noisy_image(files, layers_);
   if (!noisy) return;
-  warn(fmt::format("{}: {} is denoised by Blender: measured is {}; --layers 'beauty={}' overrules",
+  warn(fmt::format("{}: {} is denoised already: measured is {}; --layers 'beauty={}' overrules",
                    pattern_.text(), noisy->denoised, noisy->layer, noisy->denoised));
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <span>
 #include <string_view>
+#include <tuple>
 
 #include "app/cancel.h"
 #include "app/fingerprints.h"
@@ -17,11 +18,18 @@ namespace {
 
 /// Frames that are looked at; black ones may be a slate or a fade.
 constexpr std::size_t kMostFrames = 8;
+/// Beside bare channels.
+constexpr std::string_view kNoisyOfBare = "Beauty_Noisy";
 
-/// `ViewLayer.Noisy Image` beside the beauty `ViewLayer.Combined`, by layer or by part. Of several views
-/// these names end in the view's.
+/// The last words of the names of both layers.
+struct Names {
+  std::string_view denoised;
+  std::string_view noisy;
+};
+constexpr Names kNames[] = {{"Combined", "Noisy Image"}, {"Beauty", kNoisyOfBare}};
+
+/// What may lie beside the beauty, by layer or by part. Of several views these names end in the view's.
 std::optional<NoisyImage> beside(const io::ExrView& view) {
-  constexpr std::string_view denoised = "Combined";
   const io::LayerSource& beauty = *view.layers[static_cast<std::size_t>(Aov::beauty)];
   const std::string& channel = beauty.channels.front();
   const std::size_t dot = channel.rfind('.');
@@ -29,8 +37,11 @@ std::optional<NoisyImage> beside(const io::ExrView& view) {
                                                : channel.substr(0, dot);
   if (!view.view.empty() && title.ends_with('.' + view.view))
     title.resize(title.size() - view.view.size() - 1);
-  if (!title.ends_with(denoised)) return std::nullopt;
-  return NoisyImage{title.substr(0, title.size() - denoised.size()) + "Noisy Image", title};
+  if (title.empty()) return NoisyImage{std::string(kNoisyOfBare), "RGBA"};
+  const auto* const names =
+      std::ranges::find_if(kNames, [&](const Names& pair) { return title.ends_with(pair.denoised); });
+  if (names == std::end(kNames)) return std::nullopt;
+  return NoisyImage{title.substr(0, title.size() - names->denoised.size()).append(names->noisy), title};
 }
 
 /// Whether the file is an output of becalm, which has denoised its beauty: then that differs for this reason.
@@ -44,6 +55,8 @@ bool is_denoised_by_becalm(const std::string& path, const io::ExrView& view) {
 std::optional<bool> differ(const std::string& path, const NoisyImage& noisy, const io::LayerOptions& layers) {
   io::LayerOptions with_noisy = layers;
   with_noisy.layers[Aov::beauty] = noisy.layer;
+  // Throws, before any pixel is read, if there is no such layer.
+  std::ignore = io::read_exr_header(path, with_noisy, io::CheckChunks::no);
   const io::LoadedFrame a = io::read_exr(path, 1, {}, layers);
   // In one place: each part may be cropped in its own way.
   const io::LoadedFrame b = io::read_exr(path, 1, {}, with_noisy, io::LightGroups::leave, a.window);
@@ -63,9 +76,8 @@ std::optional<bool> differ(const std::string& path, const NoisyImage& noisy, con
 }  // namespace
 
 std::string NoisyImage::text() const {
-  return fmt::format(
-      "{} is denoised by Blender and passed on: {} is the beauty; --layers 'beauty={}' overrules", denoised,
-      layer, denoised);
+  return fmt::format("{} is denoised already and passed on: {} is the beauty; --layers 'beauty={}' overrules",
+                     denoised, layer, denoised);
 }
 
 std::optional<NoisyImage> take_noisy_image(const std::vector<NumberedFile>& files, io::LayerOptions& layers) {

@@ -17,12 +17,14 @@ constexpr Alias kAliases[] = {
     {.aov = Aov::beauty, .layer = "noisy image"},
     {.aov = Aov::beauty, .layer = "rgba"},
     {.aov = Aov::beauty, .layer = "beauty"},
+    {.aov = Aov::beauty, .layer = "beauty_noisy"},
     {.aov = Aov::beauty, .layer = "ci"},
     {.aov = Aov::beauty, .layer = "<root>"},
     {.aov = Aov::beauty, .layer = "rgb_color"},
     {.aov = Aov::beauty, .layer = "rgb"},
     {.aov = Aov::beauty, .layer = "image"},  // of Blender's File Output node
     {.aov = Aov::beauty, .layer = "c"},      // Karma's
+    {.aov = Aov::beauty, .layer = "finalimage"},
     {.aov = Aov::variance, .layer = "variance"},
     {.aov = Aov::variance, .layer = "mse"},
     {.aov = Aov::variance, .layer = "noiselevel", .standard_deviation = true},
@@ -34,12 +36,14 @@ constexpr Alias kAliases[] = {
     {.aov = Aov::albedo, .layer = "diffuse_albedo"},
     {.aov = Aov::albedo, .layer = "alb"},
     {.aov = Aov::albedo, .layer = "diffusefilter"},
+    {.aov = Aov::albedo, .layer = "basecolor"},
     // Elsewhere this is light, such as Arnold's and RenderMan's.
     {.aov = Aov::albedo, .layer = "diffuse", .vray_only = true},
     {.aov = Aov::normal, .layer = "denoising normal"},
     {.aov = Aov::normal, .layer = "n_denoise"},
     {.aov = Aov::normal, .layer = "normal"},
     {.aov = Aov::normal, .layer = "normals"},
+    {.aov = Aov::normal, .layer = "bumpnormals"},
     {.aov = Aov::normal, .layer = "bump_normals"},
     {.aov = Aov::normal, .layer = "sh_normal"},
     {.aov = Aov::normal, .layer = "avg_shading_normal"},  // LuxCore's
@@ -84,7 +88,8 @@ constexpr Alias kAliases[] = {
 constexpr std::string_view kVrayPrefix = "vray";
 constexpr std::string_view kVraysNames[] = {"noiselevel", "bump_normals",  "rawlight",  "rawgi",
                                             "matteid",    "defocusamount", "rawshadow", "reflectionfilter"};
-constexpr std::string_view kNamesOfVrayAndOthers[] = {"zdepth", "normals", "gi", "lighting", "selfillum"};
+constexpr std::string_view kNamesOfVrayAndOthers[] = {"zdepth", "normals",  "bumpnormals",
+                                                      "gi",     "lighting", "selfillum"};
 
 }  // namespace
 

@@ -143,7 +143,8 @@ class LayerFinder {
       };
       if (auto found = find_in(name.substr(slash + 1), is_in_part)) return found;
     }
-    return std::nullopt;
+    if (name != "rgba") return std::nullopt;
+    return find_named(aov, "", [](const ChannelLayer& layer) { return layer.name().empty(); });
   }
 
   /// Layers of this part are looked at first from now on.

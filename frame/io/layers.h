@@ -32,9 +32,10 @@ using LayerMap = std::array<std::optional<LayerSource>, kAovCount>;
 
 /// `--layers albedo=NAME,normal=PART/NAME,depth=none,...`: layer names that overrule the alias table, by AOV.
 /// A name is a layer's whole name, its end after a dot (`Denoising Albedo` for `ViewLayer.Denoising Albedo`),
-/// or a bare channel such as `Z`; bare channels of a part go by the part's name. `PART/NAME` looks in that
-/// part only. `none` leaves the AOV out. The letters' case does not count. A layer that the alias table knows
-/// keeps the table's convention. Of a name with a view's, such as `left.diffuse`, each eye takes its own.
+/// or a bare channel such as `Z`; bare channels of a part go by the part's name, or `RGBA` where it has none.
+/// `PART/NAME` looks in that part only. `none` leaves the AOV out. The letters' case does not count. A layer
+/// that the alias table knows keeps the table's convention. Of a name with a view's, such as `left.diffuse`,
+/// each eye takes its own.
 using LayerOverrides = std::map<Aov, std::string>;
 
 /// Throws Error(usage) for an unknown AOV, a missing name, or a beauty of none.

@@ -72,61 +72,6 @@ void write_lobes(const std::string& path, const Frame& frame) {
   write_shares(path, frame, {{"", 1.0f}, {"diffuse.", 0.25f}, {"specular.", 0.75f}, {"rim.", 0.1f}});
 }
 
-TEST_F(Denoise, WhatBlenderDenoisedIsNotDenoisedAgain) {
-  const auto denoise = [&](float noisy, float combined, const std::vector<std::string>& more) {
-    for (const int number : {1, 2}) {
-      Frame frame = noise_frame(number);
-      frame.image(Aov::beauty).at(0, 0, 0) = std::numeric_limits<float>::quiet_NaN();
-      const float shown = number == 1 ? 0.0f : 1.0f;
-      write_shares(frame_path(input_, number), frame,
-                   {{"V.Combined.", shown * combined}, {"V.Noisy Image.", shown * noisy}});
-    }
-    std::vector<std::string> options{"--overwrite"};
-    options.insert(options.end(), more.begin(), more.end());
-    return becalm_done(command("out.####.exr", options)).err;
-  };
-  const auto is_changed = [&](const std::string& layer) {
-    const auto beauty = [&](const std::string& path) {
-      return io::read_exr(path, 2, {}, {.layers = {{Aov::beauty, layer}}}).frame.image(Aov::beauty);
-    };
-    return !same_pixels(beauty(frame_path(input_, 2)), beauty(folder_ / "out.0002.exr"));
-  };
-  const std::string told = "V.Combined is denoised by Blender and passed on";
-  // The first frame is black and decides nothing.
-  EXPECT_NE(denoise(1.0f, 0.5f, {"-q"}).find(told), std::string::npos);
-  EXPECT_TRUE(is_changed("V.Noisy Image"));
-  EXPECT_FALSE(is_changed("V.Combined"));
-  EXPECT_NE(becalm_done({"info", input_}).out.find(told), std::string::npos);
-
-  EXPECT_EQ(denoise(1.0f, 1.0f, {}).find(told), std::string::npos) << "both are noisy";
-  EXPECT_FALSE(is_changed("V.Noisy Image"));
-  EXPECT_TRUE(is_changed("V.Combined"));
-
-  EXPECT_EQ(denoise(1.0f, 0.5f, {"--layers", "beauty=V.Combined"}).find(told), std::string::npos);
-  EXPECT_TRUE(is_changed("V.Combined"));
-}
-
-TEST_F(Denoise, WhatBlenderDenoisedOfTwoEyesIsNotDenoisedAgain) {
-  std::map<std::string, float> shares;
-  for (const std::string eye : {"left", "right"}) {
-    shares["V.Combined." + eye + '.'] = 0.5f;
-    shares["V.Noisy Image." + eye + '.'] = eye == "left" ? 1.0f : 0.9f;
-  }
-  const std::vector<std::string> views{"left", "right"};
-  write_shares(frame_path(input_, 1), noise_frame(1), shares, views);
-  const Outcome outcome = becalm_done(command("out.####.exr"));
-  EXPECT_NE(outcome.err.find("V.Noisy Image is the beauty"), std::string::npos) << outcome.err;
-  for (const auto& [layer, is_kept] : {std::pair{"V.Combined", true}, {"V.Noisy Image", false}}) {
-    const auto read = [&](const std::string& path) {
-      return io::read_exr(path, 1, {}, {.layers = {{Aov::beauty, layer}}});
-    };
-    const io::LoadedFrame in = read(frame_path(input_, 1)), out = read(folder_ / "out.0001.exr");
-    const Frame &in_right = in.other_views.at(0).frame, &out_right = out.other_views.at(0).frame;
-    EXPECT_EQ(same_pixels(in.frame.image(Aov::beauty), out.frame.image(Aov::beauty)), is_kept) << layer;
-    EXPECT_EQ(same_pixels(in_right.image(Aov::beauty), out_right.image(Aov::beauty)), is_kept) << layer;
-  }
-}
-
 TEST_F(Denoise, AdditiveLayersStillAddUpToTheBeauty) {
   for (const int number : {1, 2, 3}) {
     Frame frame = noise_frame(number);

@@ -296,33 +296,5 @@ TEST_F(Denoise, AnAuditComparesWhatLiesInOnePlace) {
   EXPECT_NE(told.find("duplicate"), std::string::npos) << told;
 }
 
-TEST_F(Denoise, ANoisyImageIsComparedInItsPlace) {
-  for (const int number : {1, 2}) {
-    Frame frame = noise_frame(number);
-    std::vector<Imf::Header> headers;
-    for (const char* name : {"V.Combined", "V.Noisy Image"}) {
-      Imf::Header& header = headers.emplace_back(kWidth, kHeight);
-      header.setName(name);
-      header.setType(Imf::SCANLINEIMAGE);
-      for (const char* letter : {"R", "G", "B"}) header.channels().insert(letter, Imf::Channel(Imf::FLOAT));
-    }
-    headers[1].dataWindow().min.x = 1;  // the same pixels but for the first column
-    Imf::MultiPartOutputFile file(frame_path(input_, number).c_str(), headers.data(), 2);
-    char* const pixels = reinterpret_cast<char*>(frame.image(Aov::beauty).data().data());
-    for (int part = 0; part < 2; ++part) {
-      Imf::FrameBuffer buffer;
-      for (int c = 0; c < 3; ++c) {
-        buffer.insert(std::string(1, "RGB"[c]),
-                      Imf::Slice(Imf::FLOAT, pixels + 4 * c, 16, std::size_t{16} * kWidth));
-      }
-      Imf::OutputPart out(file, part);
-      out.setFrameBuffer(buffer);
-      out.writePixels(kHeight);
-    }
-  }
-  const std::string told = becalm_done(command("out.####.exr", {"--preset", "draft"})).err;
-  EXPECT_EQ(told.find("denoised by Blender"), std::string::npos) << told;
-}
-
 }  // namespace
 }  // namespace becalm::test

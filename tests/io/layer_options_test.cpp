@@ -28,6 +28,16 @@ TEST(LayerOverrides, TheBeautyCannotBeLeftOut) {
             "layers 'beauty=none': the beauty cannot be left out");
 }
 
+TEST(LayerOverrides, RgbaIsTheNameOfBareColours) {
+  const std::vector<std::string> channels{"B", "Beauty_Noisy.B", "Beauty_Noisy.G", "Beauty_Noisy.R", "G",
+                                          "R"};
+  const auto beauty = [&](const std::string& name) {
+    return find_layers("f", {{.channels = channels}}, {.layers = {{Aov::beauty, name}}})[0]->channels[0];
+  };
+  EXPECT_EQ(beauty("RGBA"), "R");
+  EXPECT_EQ(beauty("beauty_noisy"), "Beauty_Noisy.R");
+}
+
 TEST(MotionChange, Parsed) {
   EXPECT_EQ(parse_motion_change(""), MotionChange());
   EXPECT_EQ(parse_motion_change("flip-y,swap,scale=-2"),

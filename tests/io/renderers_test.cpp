@@ -155,6 +155,44 @@ TEST_F(Renderers, VRayWithAPartForEachElement) {
                             {"depth", "part 4: Z"}}));
 }
 
+TEST_F(Renderers, VRayWithBumpNormals) {
+  const auto write_with = [&](const std::string& depth) {
+    write({layer_channels("", kRgb), layer_channels("diffuse", kRgb), layer_channels("bumpNormals", kRgb),
+           layer_channels(depth, {"Z"})});
+  };
+  Found expected{{"beauty", "R G B "},
+                 {"albedo", "diffuse.R diffuse.G diffuse.B"},
+                 {"normal", "bumpNormals.R bumpNormals.G bumpNormals.B"},
+                 {"depth", "zDepth.Z"}};
+  write_with("zDepth");
+  EXPECT_EQ(found(), expected);
+  write_with("Depth");
+  expected["depth"] = "Depth.Z";
+  expected.erase("albedo");
+  EXPECT_EQ(found(), expected) << "others have bumpNormals, too";
+}
+
+TEST_F(Renderers, Redshift) {
+  write({layer_channels("", kRgba), layer_channels("Beauty_Noisy", kRgba),
+         layer_channels("DiffuseFilter", kRgba), layer_channels("DiffuseLighting", kRgba),
+         layer_channels("BumpNormals", kRgb), layer_channels("Depth", {"Z"}),
+         layer_channels("MotionVectors", kRgb)});
+  // The user chooses the range to which the motion vectors are scaled.
+  EXPECT_EQ(found(), (Found{{"beauty", "R G B A"},
+                            {"albedo", "DiffuseFilter.R DiffuseFilter.G DiffuseFilter.B"},
+                            {"normal", "BumpNormals.R BumpNormals.G BumpNormals.B"},
+                            {"depth", "Depth.Z"}}));
+  write({layer_channels("Beauty_Noisy", kRgba)});
+  EXPECT_EQ(found(), (Found{{"beauty", "Beauty_Noisy.R Beauty_Noisy.G Beauty_Noisy.B Beauty_Noisy.A"}}));
+}
+
+TEST_F(Renderers, Karma) {
+  write({layer_channels("C", kRgba), layer_channels("basecolor", kRgb), layer_channels("N", kXyz)});
+  EXPECT_EQ(found(), (Found{{"beauty", "C.R C.G C.B C.A"},
+                            {"albedo", "basecolor.R basecolor.G basecolor.B"},
+                            {"normal", "N.X N.Y N.Z"}}));
+}
+
 TEST_F(Renderers, RenderMan) {
   write({layer_channels("Ci", {"r", "g", "b"}), layer_channels("", {"a", "z", "sampleCount"}),
          layer_channels("albedo", {"r", "g", "b"}), layer_channels("normal", {"x", "y", "z"}),
