@@ -43,6 +43,9 @@ constexpr std::string_view kVray[] = {
     "refraction",      "refract",    "specular",           "sss",        "sss2",
     "caustics",        "background", "atmosphere",         "selfillum",  "sheen",
     "selfillumination"};
+constexpr std::string_view kRedshift[] = {
+    "diffuselighting", "specularlighting", "reflections",    "refractions",      "sss", "gi", "caustics",
+    "emission",        "background",       "volumelighting", "volumefogemission"};
 constexpr std::string_view kRenderMan[] = {"directdiffuse",    "indirectdiffuse", "directspecular",
                                            "indirectspecular", "subsurface",      "transmissive",
                                            "emissive",         "background"};
@@ -53,9 +56,9 @@ constexpr std::string_view kBlender[] = {"diffdir",  "diffind",   "glossdir",  "
 /// A transparent film keeps the environment, the last of them, out of the beauty, but not out of its layer.
 constexpr auto kBlenderFilm = std::span(kBlender).first(std::size(kBlender) - 1);
 
-constexpr std::span<const std::string_view> kSets[] = {kBlender,     kBlenderFilm,    kArnoldLobes,
-                                                       kArnoldPaths, kArnoldOldPaths, kDirectAndIndirect,
-                                                       kVray,        kRenderMan,      kRenderManLobes};
+constexpr std::span<const std::string_view> kSets[] = {
+    kBlender,           kBlenderFilm, kArnoldLobes, kArnoldPaths, kArnoldOldPaths,
+    kDirectAndIndirect, kVray,        kRedshift,    kRenderMan,   kRenderManLobes};
 
 /// What the names of Arnold's and of Cycles' light groups begin with; the scene gives the rest.
 constexpr std::string_view kLightGroups[] = {"rgba_", "combined_"};

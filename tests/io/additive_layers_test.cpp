@@ -147,6 +147,11 @@ TEST_F(AdditiveLayers, VRaysElements) {
   EXPECT_EQ(choose_additive("auto", sets()), (Names{"GI", "lighting", "reflection"}));
 }
 
+TEST_F(AdditiveLayers, Redshifts) {
+  write({{"", both}, {"DiffuseLighting", first}, {"GI", second}, {"DiffuseLightingRaw", second}});
+  EXPECT_EQ(choose_additive("auto", sets()), (Names{"DiffuseLighting", "GI"}));
+}
+
 TEST_F(AdditiveLayers, BlendersWithTheirColours) {
   const auto colour = [](int i) { return i % 5 == 0 ? 0.0f : 0.2f * static_cast<float>(i % 5); };
   const auto direct = [&](int i) { return colour(i) == 0.0f ? 0.0f : first(i); };
