@@ -85,7 +85,8 @@ NetworkPasses::NetworkPasses(Chain& chain, const Weights& trained, Extent full, 
       framed_(convolver == Convolver::host ? 1 : 0),
       host_weights_(std::make_shared<HostWeights>(used(trained.network))) {
   const NetworkWeights& weights = host_weights_->network();
-  const Demodulated beauty = add_demodulate(chain, frame, "beauty", {frame.color, frame.own_color});
+  const Demodulated beauty =
+      add_demodulate(chain, frame, "beauty", {frame.color, frame.own_color}, /*wants_grey=*/true);
   const ImageId inputs = add_inputs(chain, frame, beauty, variance_known);
   features_ = convolver == Convolver::host
                   ? add_host_features(chain, weights.channels, host_weights_, padded_, inputs)
@@ -103,7 +104,8 @@ NetworkPasses::NetworkPasses(Chain& chain, const Weights& trained, Extent full, 
 
   const ImageId color = chain.image("windows.color", Format::f32x4, full);
   const ImageId stats = chain.image("windows.stats", Format::f32x2, full);
-  add_windows(chain, weights, frame, "beauty", beauty.irradiance, frame.color, color, stats);
+  const Windows windows =
+      add_windows(chain, weights, frame, beauty.irradiance, color, stats, !additive.empty());
   if (!trained.own_share) {
     smoothed_ = {.color = color, .stats = stats, .additive = {}};
     return;
@@ -121,24 +123,30 @@ NetworkPasses::NetworkPasses(Chain& chain, const Weights& trained, Extent full, 
     smoothed_.stats = own.stats;
     own_share = own.share;
   }
-  for (std::size_t i = 0; i < additive.size(); ++i) {
-    const std::string name = fmt::format("additive.{}", i);
-    const Layered irradiance = add_demodulate(chain, frame, name, additive[i]).irradiance;
-    const ImageId windows = chain.image("windows." + name, Format::f32x4, full);
-    add_windows(chain, weights, frame, name, irradiance, additive[i].merged, windows,
-                chain.image(name + ".stats", Format::f32x2, full));
-    ImageId result = add_restore(chain, full_, "smoothed." + name, additive[i].merged, windows, share);
-    if (own_share) result = add_restore(chain, full_, "mixed." + name, additive[i].own, result, *own_share);
-    smoothed_.additive.push_back(result);
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < additive.size(); ++i) names.push_back(fmt::format("additive.{}", i));
+  for (std::size_t first = 0; first < additive.size(); first += kLightsAtOnce) {
+    const std::size_t count = std::min<std::size_t>(kLightsAtOnce, additive.size() - first);
+    const std::vector<ImageId> made =
+        add_light_windows(chain, weights, frame, std::span(names).subspan(first, count),
+                          std::span(additive).subspan(first, count), windows);
+    for (std::size_t l = 0; l < count; ++l) {
+      const Layered& light = additive[first + l];
+      const std::string& name = names[first + l];
+      ImageId result = add_restore(chain, full_, "smoothed." + name, light.merged, made[l], share);
+      if (own_share) result = add_restore(chain, full_, "mixed." + name, light.own, result, *own_share);
+      smoothed_.additive.push_back(result);
+    }
   }
 }
 
 NetworkPasses::Demodulated NetworkPasses::add_demodulate(Chain& chain, const NoisyInputs& frame,
-                                                         const std::string& name,
-                                                         const Layered& radiance) const {
+                                                         const std::string& name, const Layered& radiance,
+                                                         bool wants_grey) const {
   const auto add = [&](const std::string& prefix, ImageId color, ImageId albedo_depth) {
     const ImageId irradiance = chain.image(prefix + ".irradiance", Format::f32x4, padded_);
-    const ImageId grey = chain.image(prefix + ".grey", Format::f32, padded_);
+    std::optional<ImageId> grey;
+    if (wants_grey) grey = chain.image(prefix + ".grey", Format::f32, padded_);
     chain.pass("smooth/demodulate")
         .read("color", color)
         .read("variance", frame.variance)
@@ -146,8 +154,9 @@ NetworkPasses::Demodulated NetworkPasses::add_demodulate(Chain& chain, const Noi
         .read("exposure", frame.exposure)
         .write("irradiance", irradiance)
         .write("grey", grey)
+        .specialize("has_grey", wants_grey ? 1 : 0)
         .dispatch(padded_);
-    return std::pair(irradiance, grey);
+    return std::pair(irradiance, grey.value_or(ImageId{}));
   };
   const auto [irradiance, grey] = add(name, radiance.merged, frame.features->albedo_depth);
   if (radiance.own == radiance.merged) return {{irradiance, irradiance}, {grey, grey}};
@@ -219,76 +228,143 @@ NetworkPasses::Scales NetworkPasses::add_features(Chain& chain, const NetworkWei
   return features;
 }
 
-void NetworkPasses::add_windows(Chain& chain, const NetworkWeights& weights, const NoisyInputs& frame,
-                                const std::string& name, const Layered& irradiance, ImageId color,
-                                ImageId smoothed, ImageId stats) const {
-  Scales irradiance_confidence;
-  Scales affinities;
-  const auto planes = [&](std::size_t i) { return weights.channels[i] / kPlane; };
-  const ImageId own_irradiance_confidence =
-      chain.image(name + ".own_irradiance_confidence", Format::f32x4, padded_);
+int NetworkPasses::strip(const Chain& chain, Extent extent) const {
+  return strip_.value_or(window_strip(chain.device(), extent));
+}
+
+Chain::Pass NetworkPasses::add_mix(Chain& chain, const NetworkWeights& weights, std::size_t scale,
+                                   const Windows& beauty) const {
+  const bool is_finest = scale == 0;
+  return chain.pass("smooth/mix")
+      .read("features", features_[scale])
+      .read("weights", window_weights_[scale])
+      .read("irradiance_confidence", beauty.irradiance_confidence[scale], gpu::reach(kWindowRadius))
+      .read("affinities", beauty.affinities[scale], gpu::reach(kWindowRadius))
+      .read("own_irradiance_confidence",
+            is_finest ? std::optional(beauty.own_irradiance_confidence) : std::nullopt, gpu::reach(1))
+      .specialize("planes", weights.channels[scale] / kPlane)
+      .specialize("framed", framed_)
+      .specialize("has_coarse", scale + 1 < kScales ? 1 : 0)
+      .specialize("has_own", is_finest ? 1 : 0)
+      .specialize("strip", strip(chain, extent(scale)));
+}
+
+NetworkPasses::Windows NetworkPasses::add_windows(Chain& chain, const NetworkWeights& weights,
+                                                  const NoisyInputs& frame, const Layered& irradiance,
+                                                  ImageId smoothed, ImageId stats, bool has_lights) const {
+  Windows windows;
+  windows.own_irradiance_confidence = chain.image("beauty.own_irradiance_confidence", Format::f32x4, padded_);
   for (std::size_t i = 0; i < kScales; ++i) {
-    irradiance_confidence[i] =
-        chain.image(fmt::format("{}.irradiance_confidence.L{}", name, i), Format::f32x4, extent(i));
-    affinities[i] = chain.image(fmt::format("{}.affinities.L{}", name, i), Format::f32x4, extent(i));
+    windows.irradiance_confidence[i] =
+        chain.image(fmt::format("beauty.irradiance_confidence.L{}", i), Format::f32x4, extent(i));
+    windows.affinities[i] = chain.image(fmt::format("beauty.affinities.L{}", i), Format::f32x4, extent(i));
     auto pass = chain.pass(i == 0 ? "smooth/confidence" : "smooth/reduce");
     if (i == 0) {
       pass.read("irradiance", irradiance.merged)
           .read("own_irradiance", irradiance.own)
-          .write("own_irradiance_confidence", own_irradiance_confidence);
+          .write("own_irradiance_confidence", windows.own_irradiance_confidence);
     } else {
-      pass.read("finer", irradiance_confidence[i - 1], gpu::block(2));
+      pass.read("finer", windows.irradiance_confidence[i - 1], gpu::block(2));
     }
     pass.read("features", features_[i])
         .read("weights", confidence_weights_[i])
-        .write("irradiance_confidence", irradiance_confidence[i])
-        .write("affinities", affinities[i])
-        .specialize("planes", planes(i))
+        .write("irradiance_confidence", windows.irradiance_confidence[i])
+        .write("affinities", windows.affinities[i])
+        .specialize("planes", weights.channels[i] / kPlane)
         .specialize("framed", framed_)
         .dispatch(extent(i));
   }
   std::optional<ImageId> coarse;
   for (std::size_t i = kScales; i-- > 0;) {
-    const ImageId result = chain.image(fmt::format("{}.windows.L{}", name, i), Format::f32x4, extent(i));
-    const int strip = strip_.value_or(window_strip(chain.device(), extent(i)));
-    chain.pass("smooth/mix")
-        .read("features", features_[i])
-        .read("weights", window_weights_[i])
-        .read("irradiance_confidence", irradiance_confidence[i], gpu::reach(kWindowRadius))
-        .read("affinities", affinities[i], gpu::reach(kWindowRadius))
-        .read("coarse", coarse, gpu::coarser(2, 1))
-        .read("own_irradiance_confidence", i == 0 ? std::optional(own_irradiance_confidence) : std::nullopt,
-              gpu::reach(1))
-        .write("result", result)
-        .specialize("planes", planes(i))
-        .specialize("framed", framed_)
-        .specialize("has_coarse", coarse ? 1 : 0)
-        .specialize("has_own", i == 0 ? 1 : 0)
-        .specialize("strip", strip)
-        .dispatch({extent(i).width, ceil_div(extent(i).height, strip)});
+    const ImageId result = chain.image(fmt::format("beauty.windows.L{}", i), Format::f32x4, extent(i));
+    auto pass = add_mix(chain, weights, i, windows);
+    pass.read("coarse0", coarse, gpu::coarser(2, 1)).write("result0", result).specialize("lights", 0);
+    for (int l = 0; l < kLightsAtOnce; ++l) {
+      pass.read(fmt::format("light{}", l), {}).read(fmt::format("own_light{}", l), {});
+      if (l > 0) pass.read(fmt::format("coarse{}", l), {}).write(fmt::format("result{}", l), {});
+    }
+    pass.dispatch({extent(i).width, ceil_div(extent(i).height, strip(chain, extent(i)))});
     coarse = result;
   }
+  std::optional<ImageId> divisor;
+  if (has_lights) divisor = windows.divisor = chain.image("windows.divisor", Format::f32x4, full_);
   const gpu::Footprint window = gpu::reach(frame.has_albedo ? kWindowRadius : 0);
-  const int strip = strip_.value_or(window_strip(chain.device(), full_));
   chain.pass("smooth/finish")
       .read("features", features_[0])
       .read("weights", finish_weights_)
-      .read("affinities", affinities[0], window)
+      .read("affinities", windows.affinities[0], window)
       .read("irradiance", coarse)
-      .read("color", color)
+      .read("color", frame.color)
       .read("variance", frame.variance)
       .read("albedo_depth", frame.features->albedo_depth, window)
       .read("own_albedo_depth", frame.own_features->albedo_depth, window)
       .read("exposure", frame.exposure)
       .write("smoothed", smoothed)
       .write("stats", stats)
-      .specialize("planes", planes(0))
+      .write("divisor", divisor)
+      .specialize("planes", weights.channels[0] / kPlane)
       .specialize("framed", framed_)
       .specialize("albedos", !frame.has_albedo                      ? 0
                              : frame.own_features == frame.features ? 1
                                                                     : 2)
-      .specialize("strip", strip)
-      .dispatch({full_.width, ceil_div(full_.height, strip)});
+      .specialize("has_lights", has_lights ? 1 : 0)
+      .specialize("strip", strip(chain, full_))
+      .dispatch({full_.width, ceil_div(full_.height, strip(chain, full_))});
+  return windows;
+}
+
+std::vector<ImageId> NetworkPasses::add_light_windows(Chain& chain, const NetworkWeights& weights,
+                                                      const NoisyInputs& frame,
+                                                      std::span<const std::string> names,
+                                                      std::span<const Layered> lights,
+                                                      const Windows& beauty) const {
+  std::vector<Layered> irradiance;  // at the finest scale
+  std::vector<Scales> scales(lights.size());
+  for (std::size_t l = 0; l < lights.size(); ++l) {
+    irradiance.push_back(add_demodulate(chain, frame, names[l], lights[l], /*wants_grey=*/false).irradiance);
+    scales[l][0] = irradiance[l].merged;
+    for (std::size_t i = 1; i < kScales; ++i) {
+      scales[l][i] = chain.image(fmt::format("{}.irradiance.L{}", names[l], i), Format::f32x4, extent(i));
+      chain.pass("smooth/reduce_light")
+          .read("finer", scales[l][i - 1], gpu::block(2))
+          .read("irradiance_confidence", beauty.irradiance_confidence[i - 1], gpu::block(2))
+          .write("light", scales[l][i])
+          .dispatch(extent(i));
+    }
+  }
+  std::vector<std::optional<ImageId>> coarse(kLightsAtOnce);
+  for (std::size_t i = kScales; i-- > 0;) {
+    auto pass = add_mix(chain, weights, i, beauty);
+    pass.specialize("lights", static_cast<int>(lights.size()));
+    for (std::size_t l = 0; l < kLightsAtOnce; ++l) {
+      const bool exists = l < lights.size();
+      std::optional<ImageId> light, own, result;
+      if (exists) {
+        light = scales[l][i];
+        if (i == 0) own = irradiance[l].own;
+        result = chain.image(fmt::format("{}.windows.L{}", names[l], i), Format::f32x4, extent(i));
+      }
+      pass.read(fmt::format("light{}", l), light, gpu::reach(kWindowRadius))
+          .read(fmt::format("own_light{}", l), own, gpu::reach(1))
+          .read(fmt::format("coarse{}", l), coarse[l], gpu::coarser(2, 1))
+          .write(fmt::format("result{}", l), result);
+      coarse[l] = result;
+    }
+    pass.dispatch({extent(i).width, ceil_div(extent(i).height, strip(chain, extent(i)))});
+  }
+  std::vector<ImageId> smoothed;
+  for (std::size_t l = 0; l < lights.size(); ++l) {
+    smoothed.push_back(chain.image("windows." + names[l], Format::f32x4, full_));
+    chain.pass("smooth/finish_light")
+        .read("irradiance", coarse[l])
+        .read("divisor", beauty.divisor)
+        .read("color", lights[l].merged)
+        .read("variance", frame.variance)
+        .read("exposure", frame.exposure)
+        .write("smoothed", smoothed.back())
+        .dispatch(full_);
+  }
+  return smoothed;
 }
 
 }  // namespace becalm::filter

@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -41,6 +42,9 @@ enum class Convolver { kernels, host };
 constexpr Convolver convolver_of(const gpu::DeviceInfo& device) {
   return device.is_processor ? Convolver::host : Convolver::kernels;
 }
+
+/// Additive AOVs that one pass averages; as many as shaders/smooth/mix.comp has images for.
+constexpr int kLightsAtOnce = 3;
 
 /// The passes that smooth a frame by a network. From the frame and its features the network predicts the
 /// weights of a window around each pixel of five scales. The windows average the radiance, from the coarsest
@@ -81,20 +85,36 @@ class NetworkPasses {
                              Pack pack);
   struct Demodulated {
     Layered irradiance;  ///< f32x4
-    Layered grey;        ///< f32
+    Layered grey;        ///< f32, if wanted
   };
   /// For the frame or an additive AOV.
   Demodulated add_demodulate(gpu::Chain& chain, const NoisyInputs& frame, const std::string& name,
-                             const Layered& radiance) const;
+                             const Layered& radiance, bool wants_grey) const;
   gpu::ImageId add_inputs(gpu::Chain& chain, const NoisyInputs& frame, const Demodulated& demodulated,
                           bool variance_known) const;
   gpu::ImageId add_convolution(gpu::Chain& chain, const std::string& name, const NetworkWeights& weights,
                                const LayerOf& layer_of, std::size_t scale, gpu::ImageId source,
                                const Coarse& coarse);
   Scales add_features(gpu::Chain& chain, const NetworkWeights& weights, gpu::ImageId inputs);
-  void add_windows(gpu::Chain& chain, const NetworkWeights& weights, const NoisyInputs& frame,
-                   const std::string& name, const Layered& irradiance, gpu::ImageId color,
-                   gpu::ImageId smoothed, gpu::ImageId stats) const;
+  /// What the beauty's windows leave for those of additive AOVs.
+  struct Windows {
+    Scales irradiance_confidence;
+    gpu::ImageId own_irradiance_confidence;
+    Scales affinities;
+    gpu::ImageId divisor;  ///< f32x4: what the irradiance is multiplied by
+  };
+  /// Writes the smoothed frame and its statistics.
+  Windows add_windows(gpu::Chain& chain, const NetworkWeights& weights, const NoisyInputs& frame,
+                      const Layered& irradiance, gpu::ImageId smoothed, gpu::ImageId stats,
+                      bool has_lights) const;
+  /// Averages at most kLightsAtOnce additive AOVs by the beauty's windows; `names` has one entry for each.
+  std::vector<gpu::ImageId> add_light_windows(gpu::Chain& chain, const NetworkWeights& weights,
+                                              const NoisyInputs& frame, std::span<const std::string> names,
+                                              std::span<const Layered> lights, const Windows& beauty) const;
+  /// Reads and sizes that every pass of windows at a scale has.
+  gpu::Chain::Pass add_mix(gpu::Chain& chain, const NetworkWeights& weights, std::size_t scale,
+                           const Windows& beauty) const;
+  int strip(const gpu::Chain& chain, gpu::Extent extent) const;
 
   gpu::Extent full_;
   gpu::Extent padded_;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <set>
 #include <span>
 
@@ -280,15 +281,17 @@ struct Compared {
   bool is_certain = false;  ///< of any candidate, also of those that are left out
 };
 
+/// Whether `outer` has all layers of `inner` and more.
+bool holds(const AdditiveSet& outer, const AdditiveSet& inner) {
+  return outer.layers.size() > inner.layers.size() &&
+         std::ranges::all_of(inner.layers, [&](const std::string& name) {
+           return std::ranges::find(outer.layers, name) != outer.layers.end();
+         });
+}
+
 /// Of sets of which one holds the other only one stays: the larger that adds up, else the smaller that does,
 /// else the larger.
 void leave_one_of_nested(std::vector<AdditiveSet>& sets) {
-  const auto holds = [](const AdditiveSet& outer, const AdditiveSet& inner) {
-    return outer.layers.size() > inner.layers.size() &&
-           std::ranges::all_of(inner.layers, [&](const std::string& name) {
-             return std::ranges::find(outer.layers, name) != outer.layers.end();
-           });
-  };
   const std::vector<AdditiveSet> all = sets;
   std::erase_if(sets, [&](const AdditiveSet& set) {
     return std::ranges::any_of(all, [&](const AdditiveSet& other) {
@@ -298,34 +301,51 @@ void leave_one_of_nested(std::vector<AdditiveSet>& sets) {
   });
 }
 
-Compared compare(const std::string& path, std::vector<AdditiveSet> candidates, const LayerOptions& options) {
+/// Reads the set's layers and compares their sum with the beauty. Layers that are AOVs leave the set after
+/// that.
+void compare(const std::string& path, AdditiveSet& set, const LayerOptions& options) {
+  std::vector<std::string> layers = std::move(set.layers);
+  LayerOptions with_layers = options;
+  with_layers.additive = layers;
+  LoadedFrame loaded = read_exr(path, 0, {}, with_layers, LightGroups::read);
+  std::erase_if(loaded.frame.light_groups(), [&](const LightGroup& group) {
+    return std::ranges::find(layers, group.name) == layers.end();
+  });
+  const int part = loaded.layers[static_cast<std::size_t>(Aov::beauty)]->part;
+  double rounding = 0.0;
+  reading(path, [&] { rounding = rounding_of(open_exr(path)->header(part)); });
+  set = compared(loaded.frame, rounding);
+  std::erase_if(
+      layers, [&](const std::string& name) { return is_denoised_aov(loaded, loaded.lights.at(name).layer); });
+  set.layers = std::move(layers);
+}
+
+Compared compare(const std::string& path, std::vector<AdditiveSet> sets, const LayerOptions& options) {
   Compared result;
-  for (AdditiveSet& candidate : candidates) {
-    if (!candidate.cropped.empty()) {
-      candidate.share_off = 1.0;
-      candidate.is_certain = false;
-      result.sets.push_back(std::move(candidate));
+  // The largest first: of a set that adds up no part needs to be read.
+  std::vector<AdditiveSet*> by_size;
+  for (AdditiveSet& set : sets) by_size.push_back(&set);
+  std::ranges::stable_sort(by_size, std::greater{},
+                           [](const AdditiveSet* set) { return set->layers.size(); });
+  std::vector<AdditiveSet> complete;
+  for (AdditiveSet* set : by_size) {
+    if (!set->cropped.empty()) {
+      set->share_off = 1.0;
+      set->is_certain = false;
       continue;
     }
-    std::vector<std::string>& layers = candidate.layers;
-    LayerOptions with_layers = options;
-    with_layers.additive = layers;
-    LoadedFrame loaded = read_exr(path, 0, {}, with_layers, LightGroups::read);
-    std::erase_if(loaded.frame.light_groups(), [&](const LightGroup& group) {
-      return std::ranges::find(layers, group.name) == layers.end();
-    });
-    const int part = loaded.layers[static_cast<std::size_t>(Aov::beauty)]->part;
-    double rounding = 0.0;
-    reading(path, [&] { rounding = rounding_of(open_exr(path)->header(part)); });
-    AdditiveSet set = compared(loaded.frame, rounding);
-    result.is_certain |= set.is_certain;
-    std::erase_if(layers, [&](const std::string& name) {
-      return is_denoised_aov(loaded, loaded.lights.at(name).layer);
-    });
-    set.layers = std::move(layers);
-    if (!set.layers.empty()) result.sets.push_back(std::move(set));
+    const AdditiveSet all = *set;
+    if (std::ranges::any_of(complete, [&](const AdditiveSet& outer) { return holds(outer, all); })) {
+      set->layers.clear();
+      continue;
+    }
+    compare(path, *set, options);
+    result.is_certain |= set->is_certain;
+    if (set->adds_up()) complete.push_back(all);
   }
-  leave_one_of_nested(result.sets);
+  std::erase_if(sets, [](const AdditiveSet& set) { return set.layers.empty(); });
+  leave_one_of_nested(sets);
+  result.sets = std::move(sets);
   return result;
 }
 

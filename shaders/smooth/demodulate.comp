@@ -7,6 +7,8 @@
 #include "lib/network.glsl"
 #include "lib/reflectance.glsl"
 
+layout(constant_id = 0) const int has_grey = 1;  // 0: `grey` is not wanted
+
 layout(local_size_x = 64, local_size_y = 1) in;
 layout(push_constant) uniform Sizes { ivec2 size; ivec2 color_size; };
 layout(set = 0, binding = 0) uniform samplerBuffer color;
@@ -25,6 +27,7 @@ void main() {
   const vec3 value = clamp(divided, vec3(-kLargestDifference), vec3(kLargestDifference));
   const int index = at.y * size.x + at.x;
   irradiance.data[index] = vec4(value, texelFetch(variance, from).y);
+  if (has_grey == 0) return;
   const vec3 compressed = vec3(compressed_radiance(value.r), compressed_radiance(value.g), compressed_radiance(value.b));
   grey.data[index] = (compressed.r + compressed.g + compressed.b) / 3.0;
 }

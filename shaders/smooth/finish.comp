@@ -1,7 +1,7 @@
 // Reads the finest scale's features and result, the frame, its albedo and, for a merged frame, the albedo of
 // the frame itself; writes the smoothed radiance, multiplied by the mean of both albedos over windows that
-// the network predicts, and (remaining variance, 1) from the error that the network expects. A pixel that is
-// not finite stays as it is.
+// the network predicts, and (remaining variance, 1) from the error that the network expects; if asked, also the
+// mean of the albedos, for smooth/finish_light. A pixel that is not finite stays as it is.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -14,6 +14,7 @@ layout(constant_id = 0) const int planes = 4;  // of four features each
 layout(constant_id = 1) const int albedos = 2;
 layout(constant_id = 2) const int strip = 1;   // rows of pixels that one invocation computes
 layout(constant_id = 3) const int framed = 0;  // as lib/head.glsl has it
+layout(constant_id = 4) const int has_lights = 0;  // 1: `divisor` is wanted
 
 layout(local_size_x = 128, local_size_y = 1) in;
 layout(push_constant) uniform Sizes { ivec2 color_size; ivec2 affinities_size; };
@@ -28,6 +29,7 @@ layout(set = 0, binding = 7) uniform samplerBuffer exposure;
 layout(set = 0, binding = 8) uniform samplerBuffer own_albedo_depth;
 layout(std430, set = 0, binding = 9) writeonly buffer SmoothedBuffer { vec4 data[]; } smoothed;
 layout(std430, set = 0, binding = 10) writeonly buffer StatsBuffer { vec2 data[]; } stats;
+layout(std430, set = 0, binding = 11) writeonly buffer DivisorBuffer { vec4 data[]; } divisor;
 
 #include "lib/window.glsl"
 
@@ -68,12 +70,12 @@ void average_divisors(ivec2 first) {
     [[unroll]] for (int i = 0; i < kWindowColumns; ++i) {
       const ivec2 tap = clamp(first + ivec2(i, j) - 2, ivec2(0), color_size - 1);
       const int from = tap.y * color_size.x + tap.x;
-      const vec3 divisor = divisor_of(texelFetch(albedo_depth, from).rgb);
-      const vec3 own_divisor = albedos == 2 ? divisor_of(texelFetch(own_albedo_depth, from).rgb) : divisor;
+      const vec3 by_albedo = divisor_of(texelFetch(albedo_depth, from).rgb);
+      const vec3 by_own_albedo = albedos == 2 ? divisor_of(texelFetch(own_albedo_depth, from).rgb) : by_albedo;
       [[unroll]] for (int s = 0; s < strip; ++s) {
         if (!is_in_window(j, s)) continue;
         const int t = s * kMostOutputs + window_tap(j, i, s);
-        mean_divisor[s] += head[t] * divisor + head[kTaps + t] * own_divisor;
+        mean_divisor[s] += head[t] * by_albedo + head[kTaps + t] * by_own_albedo;
         total[s] += head[t] + head[kTaps + t];
       }
     }
@@ -81,15 +83,16 @@ void average_divisors(ivec2 first) {
   [[unroll]] for (int s = 0; s < strip; ++s) mean_divisor[s] /= total[s];
 }
 
-void write_result(ivec2 at, vec3 divisor, float log_error) {
+void write_result(ivec2 at, vec3 mean, float log_error) {
   const int index = at.y * color_size.x + at.x;
   const float exposed_to = texelFetch(exposure, 0).x;
   const vec4 own = texelFetch(color, index);
   const vec2 own_stats = texelFetch(variance, index).xy;
-  const vec3 exposed = texelFetch(irradiance, at.y * affinities_size.x + at.x).rgb * divisor;
+  const vec3 exposed = texelFetch(irradiance, at.y * affinities_size.x + at.x).rgb * mean;
   const float left = variance_of_error(log_error, dot(exposed, exposed) / 3.0) / exposed_to / exposed_to;
   smoothed.data[index] = own_stats.y > 0.0 ? vec4(exposed / exposed_to, own.a) : own;
   stats.data[index] = own_stats.y > 0.0 ? vec2(min(left, kLargestVariance), 1.0) : own_stats;
+  if (has_lights != 0) divisor.data[index] = vec4(mean, 0.0);
 }
 
 void main() {

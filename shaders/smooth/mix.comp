@@ -3,7 +3,7 @@
 // the 5x5 window, of the four nearest coarser pixels and, at the finest scale, of the frame's own 3x3 pixels.
 // The weights are a softmax over the network's logits, less the squared distance of affinities, times the
 // confidence of each pixel of a window (Vogels et al. 2018, with one convex sum instead of two that are added
-// and subtracted).
+// and subtracted). Additive AOVs take the beauty's weights, several at once, since weights are the main cost.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -13,6 +13,7 @@ layout(constant_id = 1) const int has_coarse = 1;  // 0: this is the coarsest sc
 layout(constant_id = 2) const int has_own = 1;     // 1: this is the finest scale
 layout(constant_id = 3) const int strip = 1;       // rows of pixels that one invocation computes
 layout(constant_id = 4) const int framed = 0;      // as lib/head.glsl has it
+layout(constant_id = 5) const int lights = 0;      // additive AOVs, 3 at most; 0: the beauty itself
 
 layout(local_size_x = 128, local_size_y = 1) in;
 layout(push_constant) uniform Sizes { ivec2 affinities_size; };
@@ -20,9 +21,19 @@ layout(set = 0, binding = 0) uniform samplerBuffer features;
 layout(set = 0, binding = 1) uniform samplerBuffer weights;
 layout(set = 0, binding = 2) uniform samplerBuffer irradiance_confidence;
 layout(set = 0, binding = 3) uniform samplerBuffer affinities;
-layout(set = 0, binding = 4) uniform samplerBuffer coarse;
-layout(set = 0, binding = 5) uniform samplerBuffer own_irradiance_confidence;
-layout(std430, set = 0, binding = 6) writeonly buffer ResultBuffer { vec4 data[]; } result;
+layout(set = 0, binding = 4) uniform samplerBuffer own_irradiance_confidence;
+layout(set = 0, binding = 5) uniform samplerBuffer light0;
+layout(set = 0, binding = 6) uniform samplerBuffer light1;
+layout(set = 0, binding = 7) uniform samplerBuffer light2;
+layout(set = 0, binding = 8) uniform samplerBuffer own_light0;
+layout(set = 0, binding = 9) uniform samplerBuffer own_light1;
+layout(set = 0, binding = 10) uniform samplerBuffer own_light2;
+layout(set = 0, binding = 11) uniform samplerBuffer coarse0;
+layout(set = 0, binding = 12) uniform samplerBuffer coarse1;
+layout(set = 0, binding = 13) uniform samplerBuffer coarse2;
+layout(std430, set = 0, binding = 14) writeonly buffer Result0Buffer { vec4 data[]; } result0;
+layout(std430, set = 0, binding = 15) writeonly buffer Result1Buffer { vec4 data[]; } result1;
+layout(std430, set = 0, binding = 16) writeonly buffer Result2Buffer { vec4 data[]; } result2;
 
 #include "lib/window.glsl"
 
@@ -57,12 +68,24 @@ void subtract_distances(ivec2 first) {
   }
 }
 
-// Of weighted radiance, and of weights; of each pixel of the strip.
-vec3 sum[strip];
-float total[strip];
+/// The beauty, or additive AOVs.
+const int kMostImages = 3;
+const int kImages = lights > 0 ? lights : 1;
 
-void add(int pixel, float weight, vec3 value) {
-  sum[pixel] += weight * value;
+// Of weighted radiance, for each pixel of the strip and each image; of weights, for each pixel.
+vec3 sum[strip * kImages];
+float total[strip];
+/// Of the tap at hand: the radiance of each image, and that of the frame itself.
+vec3 value[kMostImages];
+vec3 own_value[kMostImages];
+
+void add(int pixel, float weight) {
+  [[unroll]] for (int l = 0; l < kImages; ++l) sum[pixel * kImages + l] += weight * value[l];
+  total[pixel] += weight;
+}
+
+void add_own(int pixel, float weight) {
+  [[unroll]] for (int l = 0; l < kImages; ++l) sum[pixel * kImages + l] += weight * own_value[l];
   total[pixel] += weight;
 }
 
@@ -70,14 +93,22 @@ void add_windows(ivec2 first) {
   [[unroll]] for (int j = 0; j < kWindowRows; ++j) {
     [[unroll]] for (int i = 0; i < kWindowColumns; ++i) {
       const int tap = index_of(first + ivec2(i, j) - 2);
-      const vec4 value = texelFetch(irradiance_confidence, tap);
+      const vec4 beauty = texelFetch(irradiance_confidence, tap);
+      value[0] = beauty.rgb;
+      if (lights > 0) value[0] = texelFetch(light0, tap).rgb;
+      if (lights > 1) value[1] = texelFetch(light1, tap).rgb;
+      if (lights > 2) value[2] = texelFetch(light2, tap).rgb;
       const bool any_own = has_own != 0 && j > 0 && j < kWindowRows - 1 && i > 0 && i < kWindowColumns - 1;
-      vec4 own_value = vec4(0.0);
-      if (any_own) own_value = texelFetch(own_irradiance_confidence, tap);
+      vec4 own = vec4(0.0);
+      if (any_own) own = texelFetch(own_irradiance_confidence, tap);
+      own_value[0] = own.rgb;
+      if (any_own && lights > 0) own_value[0] = texelFetch(own_light0, tap).rgb;
+      if (any_own && lights > 1) own_value[1] = texelFetch(own_light1, tap).rgb;
+      if (any_own && lights > 2) own_value[2] = texelFetch(own_light2, tap).rgb;
       [[unroll]] for (int s = 0; s < strip; ++s) {
         if (!is_in_window(j, s)) continue;
-        add(s, head[s * kMostOutputs + window_tap(j, i, s)] * value.a, value.rgb);
-        if (is_own(j, i, s)) add(s, head[s * kMostOutputs + own_tap(j, i, s)] * own_value.a, own_value.rgb);
+        add(s, head[s * kMostOutputs + window_tap(j, i, s)] * beauty.a);
+        if (is_own(j, i, s)) add_own(s, head[s * kMostOutputs + own_tap(j, i, s)] * own.a);
       }
     }
   }
@@ -89,7 +120,11 @@ void add_coarse(ivec2 at, int pixel) {
   const ivec2 other = clamp(covering + 2 * (at % 2) - 1, ivec2(0), affinities_size / 2 - 1);
   [[unroll]] for (int t = 0; t < kCoarseTaps; ++t) {
     const ivec2 tap = ivec2(t % 2 == 0 ? covering.x : other.x, t / 2 == 0 ? covering.y : other.y);
-    add(pixel, head[pixel * kMostOutputs + kTaps + t], texelFetch(coarse, tap.y * (affinities_size.x / 2) + tap.x).rgb);
+    const int index = tap.y * (affinities_size.x / 2) + tap.x;
+    value[0] = texelFetch(coarse0, index).rgb;
+    if (lights > 1) value[1] = texelFetch(coarse1, index).rgb;
+    if (lights > 2) value[2] = texelFetch(coarse2, index).rgb;
+    add(pixel, head[pixel * kMostOutputs + kTaps + t]);
   }
 }
 
@@ -102,7 +137,7 @@ void main() {
   subtract_distances(first);
   apply_softmax(taps);
   [[unroll]] for (int s = 0; s < strip; ++s) {
-    sum[s] = vec3(0.0);
+    [[unroll]] for (int l = 0; l < kImages; ++l) sum[s * kImages + l] = vec3(0.0);
     total[s] = 0.0;
   }
   add_windows(first);
@@ -110,7 +145,11 @@ void main() {
     const ivec2 at = ivec2(invocation.x, first.y + s);
     if (has_coarse != 0) add_coarse(min(at, affinities_size - 1), s);
     if (at.x < affinities_size.x && at.y < affinities_size.y) {
-      result.data[at.y * affinities_size.x + at.x] = vec4(sum[s] / max(total[s], 1e-30), 0.0);
+      const int index = at.y * affinities_size.x + at.x;
+      const float divisor = max(total[s], 1e-30);
+      result0.data[index] = vec4(sum[s * kImages] / divisor, 0.0);
+      if (lights > 1) result1.data[index] = vec4(sum[s * kImages + 1] / divisor, 0.0);
+      if (lights > 2) result2.data[index] = vec4(sum[s * kImages + 2] / divisor, 0.0);
     }
   }
 }

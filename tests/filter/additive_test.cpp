@@ -185,6 +185,22 @@ TEST_F(AdditiveTest, TheBeautyDoesNotDependOnThem) {
   }
 }
 
+TEST_F(AdditiveTest, ThoseThatOnePassTakesDoNotDependOnEachOther) {
+  // The direct light and the first group are the same, and the first and the third of five.
+  const std::vector<Denoised> five = denoise(preset("final"), frame_of_usual_size);
+  const std::vector<Denoised> one = denoise(preset("final"), [](int number) {
+    Frame frame = noisy_frame(number);
+    frame.light_groups().clear();
+    frame.remove(Aov::indirect);
+    return frame;
+  });
+  for (std::size_t i = 0; i < five.size(); ++i) {
+    const Image& direct = five[i].frame.image(Aov::direct);
+    EXPECT_TRUE(same_bits(direct, five[i].frame.light_groups()[0].radiance));
+    EXPECT_TRUE(same_bits(direct, one[i].frame.image(Aov::direct)));
+  }
+}
+
 TEST_F(AdditiveTest, TilesDoNotShow) {
   Settings settings = preset("final");
   settings.smooth = Smooth::none;

@@ -212,8 +212,14 @@ class FootprintsTest : public DeviceTest {
     task.used.set(static_cast<std::size_t>(Aov::albedo), frame != Frame::without_albedo);
     Chain chain(device(), "smooth");
     const NoisyInputs noisy(chain, task, kFull, NoisyUse::smooth);
-    const NetworkPasses network(chain, {embedded_weights(), &embedded_own_share()}, kFull, noisy, true, {},
-                                convolver);
+    std::vector<Layered> lights;
+    for (const char* name : {"diffuse", "specular"}) {
+      if (frame != Frame::merged) break;
+      lights.push_back({.merged = chain.input(name, Format::f32x4, kFull),
+                        .own = chain.input(std::string("own.") + name, Format::f32x4, kFull)});
+    }
+    const NetworkPasses network(chain, {embedded_weights(), &embedded_own_share()}, kFull, noisy, true,
+                                lights, convolver);
     use(chain, {kSide});
   }
 
