@@ -5,12 +5,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <functional>
 #include <set>
 #include <span>
 
 #include "frame/error.h"
+#include "frame/io/additive_sums.h"
 #include "frame/io/aliases.h"
 #include "frame/io/channel_layers.h"
 #include "frame/io/exr.h"
@@ -75,17 +74,6 @@ constexpr ColouredBy kColours[] = {{"diffdir", "diffcol"},   {"diffind", "diffco
                                    {"glossdir", "glosscol"}, {"glossind", "glosscol"},
                                    {"transdir", "transcol"}, {"transind", "transcol"}};
 
-/// Relative error by rounding to half: of each summand, of the colour that it is multiplied by, and of the
-/// sum.
-constexpr double kHalfRounding = 2.0 / 1024.0;
-/// The same by lossy compression: frames of Blender by DWAA and DWAB have up to 0.05.
-constexpr double kLossyRounding = 0.1;
-/// Absolute error by rounding to half near 0: its smallest step, 6e-8, for many summands.
-constexpr double kSmallest = 1e-6;
-/// Share of the values that may be farther off, such as clamped fireflies.
-constexpr double kAllowedShare = 1e-3;
-/// Share of a frame's values that must not be black for it to tell whether layers add up.
-constexpr double kLeastLit = 1e-3;
 /// Frames without such layers after which a sequence has none.
 constexpr int kMostWithout = 8;
 
@@ -140,18 +128,6 @@ AdditiveSet cropped_light_groups(const std::vector<ChannelLayer>& layers,
   return set;
 }
 
-bool are_same(const LayerSource& a, const LayerSource& b) {
-  return a.part == b.part && a.channels == b.channels;
-}
-
-/// Whether the layer is also read as direct or indirect light.
-bool is_denoised_aov(const ViewLayers& view, const LayerSource& layer) {
-  return std::ranges::any_of(std::array{Aov::direct, Aov::indirect}, [&](Aov aov) {
-    const auto& source = view.layers[static_cast<std::size_t>(aov)];
-    return source && are_same(*source, layer);
-  });
-}
-
 /// Direct and indirect light that its data window keeps from being denoised, each a set of its own.
 std::vector<AdditiveSet> cropped_aovs(const std::string& path, const std::vector<PartChannels>& parts,
                                       const LayerOptions& options, const ViewLayers& view) {
@@ -164,7 +140,7 @@ std::vector<AdditiveSet> cropped_aovs(const std::string& path, const std::vector
     if (!source || parts[source->part].data_window == window) continue;
     for (const ChannelLayer& layer : layers) {
       const std::optional<LayerSource> as_aov = channels_as(layer, aov);
-      if (as_aov && are_same(*as_aov, *source))
+      if (as_aov && as_aov->part == source->part && as_aov->channels == source->channels)
         sets.push_back({.layers = {layer.title}, .cropped = {layer.title}});
     }
   }
@@ -236,119 +212,6 @@ std::vector<AdditiveSet> candidates_of(const std::string& path, const LayerOptio
   return sets;
 }
 
-/// Relative error of the sum that the file's part explains.
-double rounding_of(const Imf::Header& header) {
-  switch (header.compression()) {
-    case Imf::B44_COMPRESSION:
-    case Imf::B44A_COMPRESSION:
-    case Imf::DWAA_COMPRESSION:
-    case Imf::DWAB_COMPRESSION:
-      return kLossyRounding;
-    default:
-      return kHalfRounding;
-  }
-}
-
-/// What a frame tells of layers: AdditiveSet without them.
-AdditiveSet compared(const Frame& frame, double rounding) {
-  const Image& beauty = frame.image(Aov::beauty);
-  std::size_t off = 0;
-  std::size_t lit = 0;
-  for (std::size_t i = 0; i < beauty.pixel_count(); ++i) {
-    for (std::size_t c = 0; c < 3; ++c) {
-      const double wanted = beauty.data()[4 * i + c];
-      double sum = 0.0;
-      double size = std::abs(wanted);
-      for (const LightGroup& group : frame.light_groups()) {
-        const double part = group.radiance.data()[3 * i + c];
-        sum += part;
-        size += std::abs(part);
-      }
-      if (std::abs(sum - wanted) > rounding * size + kSmallest) ++off;
-      if (size > 0.0) ++lit;
-    }
-  }
-  return {.layers = {},
-          .cropped = {},
-          .share_off = static_cast<double>(off) / static_cast<double>(std::max<std::size_t>(lit, 1)),
-          .is_certain = static_cast<double>(lit) > kLeastLit * static_cast<double>(3 * beauty.pixel_count())};
-}
-
-/// The candidates, each with how well it adds up. Those that are AOVs, which are denoised anyway, are left
-/// out.
-struct Compared {
-  std::vector<AdditiveSet> sets;
-  bool is_certain = false;  ///< of any candidate, also of those that are left out
-};
-
-/// Whether `outer` has all layers of `inner` and more.
-bool holds(const AdditiveSet& outer, const AdditiveSet& inner) {
-  return outer.layers.size() > inner.layers.size() &&
-         std::ranges::all_of(inner.layers, [&](const std::string& name) {
-           return std::ranges::find(outer.layers, name) != outer.layers.end();
-         });
-}
-
-/// Of sets of which one holds the other only one stays: the larger that adds up, else the smaller that does,
-/// else the larger.
-void leave_one_of_nested(std::vector<AdditiveSet>& sets) {
-  const std::vector<AdditiveSet> all = sets;
-  std::erase_if(sets, [&](const AdditiveSet& set) {
-    return std::ranges::any_of(all, [&](const AdditiveSet& other) {
-      return (holds(other, set) && (other.adds_up() || !set.adds_up())) ||
-             (holds(set, other) && other.adds_up() && !set.adds_up());
-    });
-  });
-}
-
-/// Reads the set's layers and compares their sum with the beauty. Layers that are AOVs leave the set after
-/// that.
-void compare(const std::string& path, AdditiveSet& set, const LayerOptions& options) {
-  std::vector<std::string> layers = std::move(set.layers);
-  LayerOptions with_layers = options;
-  with_layers.additive = layers;
-  LoadedFrame loaded = read_exr(path, 0, {}, with_layers, LightGroups::read);
-  std::erase_if(loaded.frame.light_groups(), [&](const LightGroup& group) {
-    return std::ranges::find(layers, group.name) == layers.end();
-  });
-  const int part = loaded.layers[static_cast<std::size_t>(Aov::beauty)]->part;
-  double rounding = 0.0;
-  reading(path, [&] { rounding = rounding_of(open_exr(path)->header(part)); });
-  set = compared(loaded.frame, rounding);
-  std::erase_if(
-      layers, [&](const std::string& name) { return is_denoised_aov(loaded, loaded.lights.at(name).layer); });
-  set.layers = std::move(layers);
-}
-
-Compared compare(const std::string& path, std::vector<AdditiveSet> sets, const LayerOptions& options) {
-  Compared result;
-  // The largest first: of a set that adds up no part needs to be read.
-  std::vector<AdditiveSet*> by_size;
-  for (AdditiveSet& set : sets) by_size.push_back(&set);
-  std::ranges::stable_sort(by_size, std::greater{},
-                           [](const AdditiveSet* set) { return set->layers.size(); });
-  std::vector<AdditiveSet> complete;
-  for (AdditiveSet* set : by_size) {
-    if (!set->cropped.empty()) {
-      set->share_off = 1.0;
-      set->is_certain = false;
-      continue;
-    }
-    const AdditiveSet all = *set;
-    if (std::ranges::any_of(complete, [&](const AdditiveSet& outer) { return holds(outer, all); })) {
-      set->layers.clear();
-      continue;
-    }
-    compare(path, *set, options);
-    result.is_certain |= set->is_certain;
-    if (set->adds_up()) complete.push_back(all);
-  }
-  std::erase_if(sets, [](const AdditiveSet& set) { return set.layers.empty(); });
-  leave_one_of_nested(sets);
-  result.sets = std::move(sets);
-  return result;
-}
-
 }  // namespace
 
 std::optional<LightSource> find_additive_layer(const std::vector<PartChannels>& parts, int part,
@@ -377,12 +240,10 @@ bool names_a_summand(std::string_view layer) {
          std::ranges::any_of(kLightGroups, [&](std::string_view group) { return is_of_group(name, group); });
 }
 
-bool AdditiveSet::adds_up() const {
-  return share_off <= kAllowedShare;
-}
-
 std::vector<AdditiveSet> find_additive_sets(const std::string& path, const LayerOptions& options) {
-  return compare(path, candidates_of(path, options), options).sets;
+  std::vector<AdditiveSet> sets = candidates_of(path, options);
+  compare_sums(path, sets, options);
+  return sets;
 }
 
 std::vector<AdditiveSet> find_additive_sets(std::span<const std::string> paths, const LayerOptions& options) {
@@ -392,9 +253,8 @@ std::vector<AdditiveSet> find_additive_sets(std::span<const std::string> paths, 
     try {
       std::vector<AdditiveSet> candidates = candidates_of(path, options);
       if (candidates.empty() && ++without == kMostWithout) break;
-      Compared found = compare(path, std::move(candidates), options);
-      if (found.is_certain) return found.sets;
-      if (of_black.empty()) of_black = std::move(found.sets);
+      if (compare_sums(path, candidates, options)) return candidates;
+      if (of_black.empty()) of_black = std::move(candidates);
     } catch (const Error& error) {
       if (error.status() == ExitStatus::resource) throw;  // other jobs of the shot would choose otherwise
       // Whoever needs this frame tells what is wrong.

@@ -5,6 +5,7 @@
 #include <ImfHeader.h>
 #include <ImfMultiPartOutputFile.h>
 #include <ImfOutputPart.h>
+#include <ImfPartType.h>
 #include <gtest/gtest.h>
 
 #include <limits>

@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+
 #include "frame/io/exr.h"
 #include "tests/io/exr_files.h"
 #include "tests/io/temporary_folder.h"
