@@ -71,7 +71,7 @@ TEST_F(Denoise, WhatTheRendererDenoisedOfTwoEyesIsNotDenoisedAgain) {
   const Outcome outcome = becalm_done(command("out.####.exr"));
   EXPECT_NE(outcome.err.find("V.Noisy Image is the beauty"), std::string::npos) << outcome.err;
   for (const auto& [layer, is_kept] : {std::pair{"V.Combined", true}, {"V.Noisy Image", false}}) {
-    const auto read = [&](const std::string& path) {
+    const auto read = [&, layer = layer](const std::string& path) {
       return io::read_exr(path, 1, {}, {.layers = {{Aov::beauty, layer}}});
     };
     const io::LoadedFrame in = read(frame_path(input_, 1)), out = read(folder_ / "out.0001.exr");
