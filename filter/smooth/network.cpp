@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "filter/ceil_div.h"
@@ -232,21 +233,42 @@ int NetworkPasses::strip(const Chain& chain, Extent extent) const {
   return strip_.value_or(window_strip(chain.device(), extent));
 }
 
-Chain::Pass NetworkPasses::add_mix(Chain& chain, const NetworkWeights& weights, std::size_t scale,
-                                   const Windows& beauty) const {
-  const bool is_finest = scale == 0;
-  return chain.pass("smooth/mix")
-      .read("features", features_[scale])
-      .read("weights", window_weights_[scale])
-      .read("irradiance_confidence", beauty.irradiance_confidence[scale], gpu::reach(kWindowRadius))
-      .read("affinities", beauty.affinities[scale], gpu::reach(kWindowRadius))
-      .read("own_irradiance_confidence",
-            is_finest ? std::optional(beauty.own_irradiance_confidence) : std::nullopt, gpu::reach(1))
-      .specialize("planes", weights.channels[scale] / kPlane)
-      .specialize("framed", framed_)
-      .specialize("has_coarse", scale + 1 < kScales ? 1 : 0)
-      .specialize("has_own", is_finest ? 1 : 0)
-      .specialize("strip", strip(chain, extent(scale)));
+std::vector<ImageId> NetworkPasses::add_mixes(Chain& chain, const NetworkWeights& weights,
+                                              const Windows& beauty, std::span<const std::string> names,
+                                              std::span<const Light> lights) const {
+  std::array<std::optional<ImageId>, kLightsAtOnce> coarse;
+  for (std::size_t i = kScales; i-- > 0;) {
+    const bool is_finest = i == 0;
+    auto pass = chain.pass("smooth/mix");
+    pass.read("features", features_[i])
+        .read("weights", window_weights_[i])
+        .read("irradiance_confidence", beauty.irradiance_confidence[i], gpu::reach(kWindowRadius))
+        .read("affinities", beauty.affinities[i], gpu::reach(kWindowRadius))
+        .read("own_irradiance_confidence",
+              is_finest ? std::optional(beauty.own_irradiance_confidence) : std::nullopt, gpu::reach(1));
+    for (std::size_t l = 0; l < kLightsAtOnce; ++l) {
+      std::optional<ImageId> light, own, result;
+      if (l < lights.size()) light = lights[l].irradiance[i];
+      if (l < lights.size() && is_finest) own = lights[l].own;
+      if (l < names.size())
+        result = chain.image(fmt::format("{}.windows.L{}", names[l], i), Format::f32x4, extent(i));
+      pass.read(fmt::format("light{}", l), light, gpu::reach(kWindowRadius))
+          .read(fmt::format("own_light{}", l), own, gpu::reach(1))
+          .read(fmt::format("coarse{}", l), coarse[l], gpu::coarser(2, 1))
+          .write(fmt::format("result{}", l), result);
+      coarse[l] = result;
+    }
+    pass.specialize("planes", weights.channels[i] / kPlane)
+        .specialize("framed", framed_)
+        .specialize("has_coarse", i + 1 < kScales ? 1 : 0)
+        .specialize("has_own", is_finest ? 1 : 0)
+        .specialize("lights", static_cast<int>(lights.size()))
+        .specialize("strip", strip(chain, extent(i)))
+        .dispatch({extent(i).width, ceil_div(extent(i).height, strip(chain, extent(i)))});
+  }
+  std::vector<ImageId> results;
+  for (std::size_t l = 0; l < names.size(); ++l) results.push_back(*coarse[l]);
+  return results;
 }
 
 NetworkPasses::Windows NetworkPasses::add_windows(Chain& chain, const NetworkWeights& weights,
@@ -274,18 +296,8 @@ NetworkPasses::Windows NetworkPasses::add_windows(Chain& chain, const NetworkWei
         .specialize("framed", framed_)
         .dispatch(extent(i));
   }
-  std::optional<ImageId> coarse;
-  for (std::size_t i = kScales; i-- > 0;) {
-    const ImageId result = chain.image(fmt::format("beauty.windows.L{}", i), Format::f32x4, extent(i));
-    auto pass = add_mix(chain, weights, i, windows);
-    pass.read("coarse0", coarse, gpu::coarser(2, 1)).write("result0", result).specialize("lights", 0);
-    for (int l = 0; l < kLightsAtOnce; ++l) {
-      pass.read(fmt::format("light{}", l), {}).read(fmt::format("own_light{}", l), {});
-      if (l > 0) pass.read(fmt::format("coarse{}", l), {}).write(fmt::format("result{}", l), {});
-    }
-    pass.dispatch({extent(i).width, ceil_div(extent(i).height, strip(chain, extent(i)))});
-    coarse = result;
-  }
+  const std::string name = "beauty";
+  const ImageId mean = add_mixes(chain, weights, windows, {&name, 1}, {}).front();
   std::optional<ImageId> divisor;
   if (has_lights) divisor = windows.divisor = chain.image("windows.divisor", Format::f32x4, full_);
   const gpu::Footprint window = gpu::reach(frame.has_albedo ? kWindowRadius : 0);
@@ -293,7 +305,7 @@ NetworkPasses::Windows NetworkPasses::add_windows(Chain& chain, const NetworkWei
       .read("features", features_[0])
       .read("weights", finish_weights_)
       .read("affinities", windows.affinities[0], window)
-      .read("irradiance", coarse)
+      .read("irradiance", mean)
       .read("color", frame.color)
       .read("variance", frame.variance)
       .read("albedo_depth", frame.features->albedo_depth, window)
@@ -318,45 +330,27 @@ std::vector<ImageId> NetworkPasses::add_light_windows(Chain& chain, const Networ
                                                       std::span<const std::string> names,
                                                       std::span<const Layered> lights,
                                                       const Windows& beauty) const {
-  std::vector<Layered> irradiance;  // at the finest scale
-  std::vector<Scales> scales(lights.size());
+  std::vector<Light> irradiance(lights.size());
   for (std::size_t l = 0; l < lights.size(); ++l) {
-    irradiance.push_back(add_demodulate(chain, frame, names[l], lights[l], /*wants_grey=*/false).irradiance);
-    scales[l][0] = irradiance[l].merged;
+    const Layered finest = add_demodulate(chain, frame, names[l], lights[l], /*wants_grey=*/false).irradiance;
+    Scales& scales = irradiance[l].irradiance;
+    irradiance[l].own = finest.own;
+    scales[0] = finest.merged;
     for (std::size_t i = 1; i < kScales; ++i) {
-      scales[l][i] = chain.image(fmt::format("{}.irradiance.L{}", names[l], i), Format::f32x4, extent(i));
+      scales[i] = chain.image(fmt::format("{}.irradiance.L{}", names[l], i), Format::f32x4, extent(i));
       chain.pass("smooth/reduce_light")
-          .read("finer", scales[l][i - 1], gpu::block(2))
+          .read("finer", scales[i - 1], gpu::block(2))
           .read("irradiance_confidence", beauty.irradiance_confidence[i - 1], gpu::block(2))
-          .write("light", scales[l][i])
+          .write("light", scales[i])
           .dispatch(extent(i));
     }
   }
-  std::vector<std::optional<ImageId>> coarse(kLightsAtOnce);
-  for (std::size_t i = kScales; i-- > 0;) {
-    auto pass = add_mix(chain, weights, i, beauty);
-    pass.specialize("lights", static_cast<int>(lights.size()));
-    for (std::size_t l = 0; l < kLightsAtOnce; ++l) {
-      const bool exists = l < lights.size();
-      std::optional<ImageId> light, own, result;
-      if (exists) {
-        light = scales[l][i];
-        if (i == 0) own = irradiance[l].own;
-        result = chain.image(fmt::format("{}.windows.L{}", names[l], i), Format::f32x4, extent(i));
-      }
-      pass.read(fmt::format("light{}", l), light, gpu::reach(kWindowRadius))
-          .read(fmt::format("own_light{}", l), own, gpu::reach(1))
-          .read(fmt::format("coarse{}", l), coarse[l], gpu::coarser(2, 1))
-          .write(fmt::format("result{}", l), result);
-      coarse[l] = result;
-    }
-    pass.dispatch({extent(i).width, ceil_div(extent(i).height, strip(chain, extent(i)))});
-  }
+  const std::vector<ImageId> means = add_mixes(chain, weights, beauty, names, irradiance);
   std::vector<ImageId> smoothed;
   for (std::size_t l = 0; l < lights.size(); ++l) {
     smoothed.push_back(chain.image("windows." + names[l], Format::f32x4, full_));
     chain.pass("smooth/finish_light")
-        .read("irradiance", coarse[l])
+        .read("irradiance", means[l])
         .read("divisor", beauty.divisor)
         .read("color", lights[l].merged)
         .read("variance", frame.variance)

@@ -103,7 +103,7 @@ class NetworkPasses {
     Scales affinities;
     gpu::ImageId divisor;  ///< f32x4: what the irradiance is multiplied by
   };
-  /// Writes the smoothed frame and its statistics.
+  /// Writes the smoothed frame and its statistics. `has_lights`: add_light_windows() will need the result.
   Windows add_windows(gpu::Chain& chain, const NetworkWeights& weights, const NoisyInputs& frame,
                       const Layered& irradiance, gpu::ImageId smoothed, gpu::ImageId stats,
                       bool has_lights) const;
@@ -111,9 +111,16 @@ class NetworkPasses {
   std::vector<gpu::ImageId> add_light_windows(gpu::Chain& chain, const NetworkWeights& weights,
                                               const NoisyInputs& frame, std::span<const std::string> names,
                                               std::span<const Layered> lights, const Windows& beauty) const;
-  /// Reads and sizes that every pass of windows at a scale has.
-  gpu::Chain::Pass add_mix(gpu::Chain& chain, const NetworkWeights& weights, std::size_t scale,
-                           const Windows& beauty) const;
+  /// An additive AOV without albedo.
+  struct Light {
+    Scales irradiance;
+    gpu::ImageId own;  ///< of the unmerged frame, at the finest scale
+  };
+  /// The windows' means at the finest scale: of the lights or, if there are none, of the beauty. `names` has
+  /// one entry for each of them.
+  std::vector<gpu::ImageId> add_mixes(gpu::Chain& chain, const NetworkWeights& weights, const Windows& beauty,
+                                      std::span<const std::string> names,
+                                      std::span<const Light> lights) const;
   int strip(const gpu::Chain& chain, gpu::Extent extent) const;
 
   gpu::Extent full_;
